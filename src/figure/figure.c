@@ -15,7 +15,7 @@ struct strokes {
 };
 
 /* Returns the strokes of a charset: ASCII if it is plain, else box characters. */
-static const struct strokes *strokes_of(const struct charset *charset)
+static const struct strokes *charset_strokes(const struct charset *charset)
 {
     static const struct strokes plain = {'+', '+', '+', '+', '-', '|',
                                          '+', '+', '+', '-', '@', ':'};
@@ -53,7 +53,7 @@ char figure_mark(const struct figure *figure, int i)
 }
 
 /* Returns the colour of curve i. */
-static enum style style_of(const struct figure *figure, int i)
+static enum style curve_style(const struct figure *figure, int i)
 {
     const int look = figure->curve[i].look;
     return (enum style)(STYLE_CURVE_1 + (look ? look - 1 : i) % 4);
@@ -129,16 +129,16 @@ static void axis_title(const struct axis *axis, const struct ticks *ticks, const
 }
 
 /* Returns true if the legend names the curve: it is drawn and has a label. */
-static bool has_entry(const struct figure *figure, int curve)
+static bool has_legend_entry(const struct figure *figure, int curve)
 {
     return curve_drawn(figure, curve) && figure->curve[curve].label && *figure->curve[curve].label;
 }
 
 /* Returns the width [cell] of a curve's entry in the legend behind `used` cells: gap, mark, label.
  */
-static int entry_width(const struct figure *figure, int i, int used)
+static int legend_entry_width(const struct figure *figure, int i, int used)
 {
-    if (!has_entry(figure, i))
+    if (!has_legend_entry(figure, i))
         return 0;
     return text_width(text_of(figure->curve[i].label)) + (figure_mark(figure, i) ? 2 : 3) +
            (used ? 2 : 0);
@@ -157,7 +157,7 @@ static int legend_width(const struct figure *figure)
 {
     int width = 0;
     for (int i = 0; i < figure->curves; i++)
-        width += entry_width(figure, i, width);
+        width += legend_entry_width(figure, i, width);
     return width;
 }
 
@@ -171,7 +171,7 @@ static void draw_legend(const struct text_sheet *sheet, int min_column)
     struct text caption = text_of(figure->caption);
 
     for (; shown < figure->curves; shown++) {
-        const int width = entry_width(figure, shown, used);
+        const int width = legend_entry_width(figure, shown, used);
         if (used + width > available)
             break;
         used += width;
@@ -194,10 +194,10 @@ static void draw_legend(const struct text_sheet *sheet, int min_column)
     for (int i = 0; i < shown; i++) {
         const struct curve *curve = &figure->curve[i];
         char mark = figure_mark(figure, i);
-        if (!has_entry(figure, i))
+        if (!has_legend_entry(figure, i))
             continue;
         x = canvas_text(sheet->canvas, x, y, mark ? (struct text){&mark, 1} : TEXT("--"),
-                        style_of(figure, i));
+                        curve_style(figure, i));
         x = canvas_text(sheet->canvas, x + 1, y, text_of(curve->label), STYLE_PLAIN) + 2;
     }
     if (band) {
@@ -308,7 +308,7 @@ static void draw_y_axis(const struct text_sheet *sheet)
 #define FEW_ROWS 3
 
 /* Returns true if no other curve is drawn in the panel. */
-static bool alone_in_panel(const struct figure *figure, int curve)
+static bool is_only_curve_in_panel(const struct figure *figure, int curve)
 {
     for (int i = 0; i < figure->curves; i++)
         if (i != curve && curve_drawn(figure, i))
@@ -377,7 +377,7 @@ static void draw_curves(const struct text_sheet *sheet)
         }
     for (int i = 0; i < figure->curves; i++)
         if (curve_drawn(figure, i) && figure->curve[i].joined) {
-            raster.style = style_of(figure, i);
+            raster.style = curve_style(figure, i);
             raster_line(&raster, &figure->curve[i]);
         }
     /* overlays come first, then the first line, data last */
@@ -386,10 +386,10 @@ static void draw_curves(const struct text_sheet *sheet)
             const struct curve *curve = &figure->curve[i];
             /* A line shows more than marks do if there are few rows. */
             raster.mark = figure->part && layout->rows <= FEW_ROWS && !curve->points &&
-                                  alone_in_panel(figure, i)
+                                  is_only_curve_in_panel(figure, i)
                               ? 0
                               : figure_mark(figure, i);
-            raster.style = curve->plain ? STYLE_PLAIN : style_of(figure, i);
+            raster.style = curve->plain ? STYLE_PLAIN : curve_style(figure, i);
             if (!curve_drawn(figure, i) || curve->arrows ||
                 pass != (curve->points ? 2 : !raster.mark))
                 continue;
@@ -404,7 +404,7 @@ static void draw_curves(const struct text_sheet *sheet)
         }
     }
     for (int i = 0; i < figure->curves; i++) {
-        raster.style = style_of(figure, i);
+        raster.style = curve_style(figure, i);
         if (curve_drawn(figure, i) && !figure->curve[i].arrows)
             raster_exits(&raster, figure, i);
     }
@@ -419,8 +419,9 @@ static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, 
                        const struct charset *charset)
 {
     struct figure_layout layout;
-    struct text_sheet sheet = {&panel->figure, &layout,      strokes_of(charset), canvas,
-                               x + panel->x,   y + panel->y, panel->width,        panel->height};
+    struct text_sheet sheet = {&panel->figure, &layout,      charset_strokes(charset),
+                               canvas,         x + panel->x, y + panel->y,
+                               panel->width,   panel->height};
 
     for (int row = 0; row < panel->height; row++)
         for (int column = 0; column < panel->width; column++)

@@ -7,7 +7,7 @@
 #include <string.h>
 
 /* Returns i limited to low..high. */
-static int limited(int i, int low, int high)
+static int limit_index(int i, int low, int high)
 {
     if (i < low)
         return low;
@@ -16,7 +16,7 @@ static int limited(int i, int low, int high)
 
 /* Returns the coordinate of point i along an axis on which points are evenly spaced: its value, or
  * the logarithm. */
-static double place_of(const struct heat_axis *axis, int i)
+static double axis_coordinate(const struct heat_axis *axis, int i)
 {
     return axis->log ? log(axis->value[i]) : axis->value[i];
 }
@@ -25,10 +25,10 @@ static double place_of(const struct heat_axis *axis, int i)
  * are extrapolated; the edges of a single point are half its value away from it. */
 double heat_edge(const struct heat_axis *axis, int i)
 {
-    const int upper = limited(i, 1, axis->count - 1);
+    const int upper = limit_index(i, 1, axis->count - 1);
     if (axis->count < 2)
         return axis->value[0] + (i - 0.5) * (fabs(axis->value[0]) > 0 ? fabs(axis->value[0]) : 1);
-    const double a = place_of(axis, upper - 1), b = place_of(axis, upper),
+    const double a = axis_coordinate(axis, upper - 1), b = axis_coordinate(axis, upper),
                  edge = (a + b) / 2 + (i - upper) * (b - a);
     return axis->log ? exp(edge) : edge;
 }
@@ -95,7 +95,7 @@ uint32_t heat_glyph(const struct heat *heat, const struct heat_scale *scale,
     if (isnan(value))
         return 'x';
     if (!heat->letters) {
-        return shade[limited((int)floor(heat_share(scale, value) * shades), 0, shades - 1)];
+        return shade[limit_index((int)floor(heat_share(scale, value) * shades), 0, shades - 1)];
     }
     /* Letters belong to the values -1, 0, 1 ...; all larger values share the last letter. */
     const double last = (double)strlen(heat->letters) - 1;

@@ -20,7 +20,7 @@ static int smaller(int a, int b)
 
 /* Returns the cell in which a position along an axis is, given as a fraction of the axis of `cells`
  * cells with `dots` dots each. The ends of the axis are the first and the last dot. */
-static int cell_of(double fraction, int cells, int dots)
+static int cell_index(double fraction, int cells, int dots)
 {
     return (int)(floor(fraction * (cells * dots - 1) + 0.5) / dots);
 }
@@ -36,8 +36,8 @@ bool figure_cell(const struct figure_layout *layout, double x, double y, int *co
     if (!(x_fraction >= -edge && x_fraction <= 1 + edge && y_fraction >= -edge &&
           y_fraction <= 1 + edge))
         return false;
-    *column = cell_of(x_fraction, layout->columns, grid.dots_horizontal);
-    *row = cell_of(1 - y_fraction, layout->rows, grid.dots_vertical);
+    *column = cell_index(x_fraction, layout->columns, grid.dots_horizontal);
+    *row = cell_index(1 - y_fraction, layout->rows, grid.dots_vertical);
     return true;
 }
 
@@ -64,7 +64,7 @@ static struct ticks axis_ticks(const struct scale *scale, const struct axis *axi
 }
 
 /* Returns the width [cell] of the widest label of an axis. */
-static int widest(const struct ticks *ticks, bool decades)
+static int widest_label(const struct ticks *ticks, bool decades)
 {
     char text[TICK_TEXT_SIZE];
     int width = 0;
@@ -76,8 +76,8 @@ static int widest(const struct ticks *ticks, bool decades)
 int x_tick_column(const struct figure *figure, const struct figure_layout *layout, int i)
 {
     double value = tick_value(&layout->x_ticks, i, layout->x_decades) * axis_factor(&figure->x);
-    return cell_of(scale_fraction(&layout->x, value), layout->columns,
-                   layout->charset->dots.dots_horizontal);
+    return cell_index(scale_fraction(&layout->x, value), layout->columns,
+                      layout->charset->dots.dots_horizontal);
 }
 
 int x_label_start(const struct figure_layout *layout, int column, int len)
@@ -139,7 +139,7 @@ static void fit_ticks(const struct figure *figure, struct figure_layout *layout,
 
 /* Extends the shorter range about its middle until a unit has the same length on both axes. Does
  * nothing if a range would overflow. */
-static void equalise(const struct figure *figure, struct figure_layout *layout)
+static void equalise_axes(const struct figure *figure, struct figure_layout *layout)
 {
     struct dot_grid grid = layout->charset->dots;
     double aspect = figure->aspect > 0 ? figure->aspect : 2;
@@ -173,7 +173,7 @@ void layout_scales(const struct figure *figure, struct figure_layout *layout, st
     layout->x = axis_scale(figure, false, x, x_want, x_max);
     layout->y = axis_scale(figure, true, y, y_want, y_max);
     if (figure->equal && !layout->x.log && !layout->y.log)
-        equalise(figure, layout);
+        equalise_axes(figure, layout);
     fit_ticks(figure, layout, true, y_want, y_max);
     fit_ticks(figure, layout, false, x_want, x_max);
 }
@@ -208,7 +208,7 @@ void figure_layout(const struct figure *figure, int width, int height,
             continue;
         }
         layout_scales(figure, layout, x, y);
-        int need = widest(&layout->y_ticks, layout->y_decades);
+        int need = widest_label(&layout->y_ticks, layout->y_decades);
         if (!layout->y_labels || need <= layout->gutter)
             break;
         layout->gutter = need;
@@ -249,7 +249,7 @@ static bool stack_panels(const struct figure *figure, int width, int height,
 
 /* Returns the side [cell of height] of the largest square plot that fits into width x height cells
  * with its frame and labels; aspect is height over width of a cell. */
-static double square_of(int width, int height, double aspect)
+static double largest_square(int width, int height, double aspect)
 {
     return fmin((width - LABEL_CELLS) / aspect, height - FRAME_ROWS - LABEL_ROWS);
 }
@@ -258,13 +258,13 @@ static double square_of(int width, int height, double aspect)
 bool planes_across(const struct figure *figure, int width, int height)
 {
     double aspect = figure->aspect > 0 ? figure->aspect : 2;
-    return square_of(width / 2, height, aspect) > square_of(width, height / 2, aspect);
+    return largest_square(width / 2, height, aspect) > largest_square(width, height / 2, aspect);
 }
 
 /* Places the two panels of a plane side by side or one below the other, whichever gives larger
  * plots. Returns false if there are too few cells. */
-static bool place_planes(const struct figure *figure, int width, int height,
-                         struct figure_panel panel[PANELS_MAX])
+static bool arrange_planes(const struct figure *figure, int width, int height,
+                           struct figure_panel panel[PANELS_MAX])
 {
     const bool side_by_side = planes_across(figure, width, height);
     const int plane_width = side_by_side ? width / 2 : width;
@@ -314,7 +314,7 @@ int figure_panels(const struct figure *figure, int width, int height, const stru
 
     for (int i = 0; i < parts; i++)
         panel[i] = (struct figure_panel){.figure = part[i], .width = width, .height = height};
-    if (parts > 1 && (figure->plane ? place_planes(figure, width, height, panel)
+    if (parts > 1 && (figure->plane ? arrange_planes(figure, width, height, panel)
                                     : stack_panels(figure, width, height, charset, panel)))
         return parts;
     panel[0].figure = *figure; /* too few cells for two: the first axes hold for all curves */

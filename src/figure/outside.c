@@ -61,7 +61,7 @@ void curve_outside(const struct figure *figure, const struct figure_layout *layo
 
 /* Returns the number of significant digits that distinguishes values along an axis: 3, and more if
  * its range is narrow compared with its values, up to 12. */
-static int digits_on(const struct scale *scale)
+static int axis_digits(const struct scale *scale)
 {
     double size = fmax(fabs(scale->first_value), fabs(scale->last_value)),
            span = scale->last_value / size - scale->first_value / size;
@@ -102,14 +102,14 @@ static void outside_curve_put(struct buffer *output, const struct figure *figure
     if (isfinite(outside->position)) {
         const struct axis time = {.unit = "s"};
         buffer_put(output, TEXT(" at "));
-        const int position_digits = figure->plane ? 3 : digits_on(&layout->x);
+        const int position_digits = figure->plane ? 3 : axis_digits(&layout->x);
         axis_value_put(output, figure->plane ? &time : &figure->x, outside->position,
                        position_digits);
     }
     if (detail > 0) {
         buffer_put(output, text_of(outside->is_beyond_upper ? ", up to " : ", down to "));
         axis_value_put(output, axis, outside->farthest,
-                       digits_on(outside->along_x ? &layout->x : &layout->y));
+                       axis_digits(outside->along_x ? &layout->x : &layout->y));
     }
     if (detail > 1 && !curve->thinned)
         buffer_format(output, " (%zu of %zu samples)", outside->count, outside->total);
@@ -117,8 +117,8 @@ static void outside_curve_put(struct buffer *output, const struct figure *figure
 
 /* Appends a clause for each curve outside of the axes, or nothing if all are inside. Detail 0 to 2
  * as in outside_curve_put(); -1 appends only the number of such curves. */
-static void put_outside(struct buffer *output, const struct figure *figure,
-                        const struct figure_layout *layout, int detail)
+static void put_outside_curves(struct buffer *output, const struct figure *figure,
+                               const struct figure_layout *layout, int detail)
 {
     struct curve_outside outside;
     int count = 0;
@@ -141,7 +141,7 @@ static void put_outside(struct buffer *output, const struct figure *figure,
 
 /* Returns true if one of the curves shown is thinned, so that counts of its points are not counts
  * of samples. */
-static bool is_thinned(const struct figure *figure)
+static bool has_thinned_curve(const struct figure *figure)
 {
     for (int i = 0; i < figure->curves; i++)
         if (curve_drawn(figure, i) && figure->curve[i].thinned)
@@ -151,13 +151,13 @@ static bool is_thinned(const struct figure *figure)
 
 /* Appends how many values a logarithmic axis does not show, such as "3 values <= 0 not shown", or
  * nothing if it shows all. */
-static void put_hidden(struct buffer *output, const struct figure *figure,
-                       const struct figure_layout *layout)
+static void put_hidden_count(struct buffer *output, const struct figure *figure,
+                             const struct figure_layout *layout)
 {
     if (!layout->hidden)
         return;
     buffer_put(output, output->len ? TEXT(", ") : TEXT(""));
-    if (is_thinned(figure)) /* points of a thinned curve are not samples: no count */
+    if (has_thinned_curve(figure)) /* points of a thinned curve are not samples: no count */
         buffer_put(output, TEXT("values "));
     else
         buffer_format(output, "%zu value%s ", layout->hidden, layout->hidden == 1 ? "" : "s");
@@ -172,7 +172,7 @@ static void put_hidden(struct buffer *output, const struct figure *figure,
 
 /* Drops clauses from the end, at commas and semicolons, until the text fits into `available` cells,
  * so that no clause is cut in the middle. */
-static void drop_clauses(struct buffer *output, int available)
+static void drop_last_clauses(struct buffer *output, int available)
 {
     while (text_width(buffer_text(output)) > available) {
         size_t end = output->len;
@@ -192,19 +192,19 @@ void figure_note(const struct figure *figure, const struct figure_layout *layout
                  struct buffer *output)
 {
     static const struct {
-        /* Forms from the most to the least detailed: detail of put_outside(), and whether the
-         * figure's own note is shown. */
+        /* Forms from the most to the least detailed: detail of put_outside_curves(), and whether
+         * the figure's own note is shown. */
         int detail;
         bool note;
     } ways[] = {{2, true}, {1, true}, {2, false}, {1, false}, {0, false}, {-1, false}};
     struct buffer leaving = {0}, other = {0};
 
     buffer_put(&other, text_of(figure->note));
-    put_hidden(&other, figure, layout);
+    put_hidden_count(&other, figure, layout);
     for (size_t i = 0; i < COUNT_OF(ways); i++) {
         buffer_clear(output);
         buffer_clear(&leaving);
-        put_outside(&leaving, figure, layout, ways[i].detail);
+        put_outside_curves(&leaving, figure, layout, ways[i].detail);
         buffer_put(output, buffer_text(&leaving));
         if (!leaving.len || ways[i].note) {
             buffer_put(output, leaving.len && other.len ? TEXT(", ") : TEXT(""));
@@ -213,7 +213,7 @@ void figure_note(const struct figure *figure, const struct figure_layout *layout
         if (!leaving.len || text_width(buffer_text(output)) <= available)
             break;
     }
-    drop_clauses(output, available);
+    drop_last_clauses(output, available);
     buffer_free(&leaving);
     buffer_free(&other);
 }

@@ -27,7 +27,7 @@ double scale_fraction(const struct scale *scale, double value)
 
 /* Returns true if the axis has a fixed range that can be drawn: finite, wider than the rounding of
  * its values, and positive if logarithmic. Other fixed ranges are ignored. */
-static bool fixed_range(const struct axis *axis)
+static bool has_fixed_range(const struct axis *axis)
 {
     double size = fmax(fabs(axis->first_value), fabs(axis->last_value));
     return axis->fixed && size > 1 / RANGE_VALUE_MAX && size <= RANGE_VALUE_MAX &&
@@ -36,7 +36,7 @@ static bool fixed_range(const struct axis *axis)
 }
 
 /* Returns the smallest value that an axis can show; a logarithmic axis shows positive values. */
-static double min_of(const struct axis *axis)
+static double axis_min(const struct axis *axis)
 {
     return axis->log ? fmax(axis->min, DBL_TRUE_MIN) : -DBL_MAX;
 }
@@ -71,23 +71,23 @@ struct extent curves_extent(const struct curve *curve, int curves,
 
 /* Returns true if sample i is outside of a fixed x range, so that it is not the y axis that hides
  * it. */
-static bool is_beside(const struct figure *figure, const struct curve *curve, bool vertical,
-                      size_t i)
+static bool is_outside_x_range(const struct figure *figure, const struct curve *curve,
+                               bool vertical, size_t i)
 {
-    return vertical && fixed_range(&figure->x) &&
+    return vertical && has_fixed_range(&figure->x) &&
            !(curve->x[i] >= figure->x.first_value && curve->x[i] <= figure->x.last_value);
 }
 
 /* Counts the values of the panel's curves that a logarithmic axis cannot show. */
 static size_t count_hidden(const struct figure *figure, bool vertical)
 {
-    const double min = min_of(vertical ? &figure->y : &figure->x);
+    const double min = axis_min(vertical ? &figure->y : &figure->x);
     size_t hidden = 0;
     for (int c = 0; c < figure->curves; c++) {
         const struct curve *curve = &figure->curve[c];
         const double *value = vertical ? curve->y : curve->x;
         for (size_t i = 0; curve_goes_on(curve, i) && curve_drawn(figure, c); i++)
-            hidden += value[i] < min && !is_beside(figure, curve, vertical, i);
+            hidden += value[i] < min && !is_outside_x_range(figure, curve, vertical, i);
     }
     return hidden;
 }
@@ -165,19 +165,19 @@ struct extent axis_extent(const struct figure *figure, bool vertical, bool bars)
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x;
     const struct axis *other = vertical ? &figure->x : &figure->y;
-    const bool follows = vertical && fixed_range(other), wide = vertical && !axis->log,
+    const bool follows = vertical && has_fixed_range(other), wide = vertical && !axis->log,
                whole = !vertical && !figure->plane;
-    const double first = follows ? other->first_value : min_of(other);
+    const double first = follows ? other->first_value : axis_min(other);
     const double other_range[2] = {first, follows ? other->last_value : NAN};
     const int panel = whole ? 0 : figure->panel + 1;
     const struct extent_window window = {.vertical = vertical,
                                          .other_range = other_range,
-                                         .min = axis->log ? min_of(axis) : 0,
+                                         .min = axis->log ? axis_min(axis) : 0,
                                          .panel = panel,
                                          .bands = wide,
                                          .bars = wide && bars};
     struct extent extent =
-        curves_extent(figure->curve, fixed_range(axis) ? 0 : figure->curves, &window);
+        curves_extent(figure->curve, has_fixed_range(axis) ? 0 : figure->curves, &window);
     extent.hidden = axis->log ? count_hidden(figure, vertical) : 0;
     return extent;
 }
@@ -188,7 +188,7 @@ struct scale axis_scale(const struct figure *figure, bool vertical, struct exten
 {
     const struct axis *axis = vertical ? &figure->y : &figure->x;
 
-    if (fixed_range(axis))
+    if (has_fixed_range(axis))
         return scale_of(axis->first_value, axis->last_value, axis->log);
     if (axis->log)
         return log_scale(extent, axis);

@@ -62,7 +62,7 @@ static void put_dot(const struct raster *raster, struct dot_grid grid, int colum
  * ignored. In ASCII or with a mark a cell gets one character: the mark, a stroke of the direction
  * `slope` (-1 upwards, 1 downwards to the right, 0 neither), or a level mark if at most two dots
  * are set. */
-static void put_span(const struct raster *raster, int column, int low, int high, int slope)
+static void put_dot_span(const struct raster *raster, int column, int low, int high, int slope)
 {
     struct dot_grid grid = raster->layout->charset->dots;
     int last = raster->layout->rows * grid.dots_vertical - 1, span = high - low + 1;
@@ -138,7 +138,7 @@ static void pen_leave(struct cell_pen *pen, double y, bool ends)
         slope = 0;
     else
         slope = rise < 0 ? -pen->heading : pen->heading;
-    put_span(pen->raster, pen->column, (int)low, (int)high, slope);
+    put_dot_span(pen->raster, pen->column, (int)low, (int)high, slope);
 }
 
 /* Begins a column at height y, with the pen on the paper. */
@@ -160,7 +160,7 @@ static void pen_up(struct cell_pen *pen)
 
 /* Continues the line to (x, y), or begins one there. Every column on the way is drawn, with the
  * height at which the segment crosses its border interpolated. */
-static void pen_to(struct cell_pen *pen, double x, double y)
+static void pen_draw_to(struct cell_pen *pen, double x, double y)
 {
     if (!pen->is_drawing) {
         pen_enter(pen, pen_column(pen, x), y);
@@ -198,7 +198,7 @@ void raster_line(const struct raster *raster, const struct curve *curve)
         if (isnan(x) || isnan(y))
             pen_up(&pen);
         else
-            pen_to(&pen, x * width, (1 - y) * height);
+            pen_draw_to(&pen, x * width, (1 - y) * height);
         if (curve->cloud)
             pen_up(&pen);
     }

@@ -20,7 +20,7 @@ static double square(double x)
 /* Returns the score of `count` labels over [low, high] for data over [a, b], larger is better: 0.25
  * simplicity + 0.2 coverage + 0.5 density + 0.05 legibility (section 4 of the paper). q is the
  * index of the step's first digit in nice[]. */
-static double score_of(size_t q, double low, double high, int count, double a, double b, int want)
+static double tick_score(size_t q, double low, double high, int count, double a, double b, int want)
 {
     double zero = low <= 0 && high >= 0 ? 1 : 0;
     double simplicity = zero - (double)q / (double)(COUNT_OF(nice) - 1);
@@ -62,7 +62,7 @@ struct ticks ticks_search(double range_begin, double range_end, int want, int ma
                 if (last < first || last - first >= max)
                     continue;
                 int count = (int)(last - first) + 1;
-                double score = score_of(q, first * step, last * step, count, a, b, want);
+                double score = tick_score(q, first * step, last * step, count, a, b, want);
                 if (score <= best)
                     continue;
                 /* power of ten of the step's first digit, as labelled */
@@ -84,7 +84,7 @@ struct ticks ticks_search(double range_begin, double range_end, int want, int ma
 
 /* Returns the exponent of the largest power of ten that is at most x; the allowance is for rounding
  * of log10. */
-static int power_below(double x)
+static int decimal_exponent(double x)
 {
     return (int)floor(log10(x) + 1e-9);
 }
@@ -93,19 +93,21 @@ static int power_below(double x)
  * Takes the common part off the labels of a range so narrow that they would have more digits. This
  * offset is below the lower end, so that no label is negative.
  */
-static void take_offset(struct ticks *ticks)
+static void ticks_split_offset(struct ticks *ticks)
 {
     double last = ticks->first + (ticks->count - 1) * ticks->step,
            largest = fmax(fabs(ticks->first), fabs(last));
-    if (ticks->count < 2 || power_below(largest) - power_below(ticks->step) < LABEL_DIGITS_MAX)
+    if (ticks->count < 2 ||
+        decimal_exponent(largest) - decimal_exponent(ticks->step) < LABEL_DIGITS_MAX)
         return;
-    int power = power_below(last - ticks->first), digit = power_below(ticks->step);
+    int power = decimal_exponent(last - ticks->first), digit = decimal_exponent(ticks->step);
     double unit = pow(10, power);
     double units = ticks->first / unit;
     ticks->offset = floor(units + fmax(1e-9, 1e-15 * fabs(units))) * unit;
     if (ticks->offset == 0)
         return;
-    ticks->offset_power = largest < 1e-3 || largest > 1e9 ? power_below(fabs(ticks->offset)) : 0;
+    ticks->offset_power =
+        largest < 1e-3 || largest > 1e9 ? decimal_exponent(fabs(ticks->offset)) : 0;
     power -= ticks->offset_power;
     ticks->offset_decimals = power < 0 ? -power : 0;
     power += ticks->offset_power;
@@ -120,7 +122,7 @@ static void take_offset(struct ticks *ticks)
  * numbers. */
 int tick_parts(const struct ticks *ticks)
 {
-    const double digit = ticks->step > 0 ? ticks->step / pow(10, power_below(ticks->step)) : 0;
+    const double digit = ticks->step > 0 ? ticks->step / pow(10, decimal_exponent(ticks->step)) : 0;
     if (digit > 2.6 && digit < 3.4)
         return 3;
     return (digit > 1.6 && digit < 2.4) || (digit > 3.6 && digit < 4.4) ? 4 : 5;
@@ -131,7 +133,7 @@ int tick_parts(const struct ticks *ticks)
 struct ticks ticks_linear(double range_begin, double range_end, int want, int max)
 {
     struct ticks ticks = ticks_search(range_begin, range_end, want, max, false);
-    take_offset(&ticks);
+    ticks_split_offset(&ticks);
     return ticks;
 }
 

@@ -40,8 +40,8 @@ const struct argument_value *added_argument(const struct arguments *arguments, c
 
 /* Returns a new item at the end of an argument's list, in the statement's arena, or NULL with an
  * error if out of memory or if the list is too long. The caller counts it. */
-static struct item *next_item(struct parser *parser, struct argument_value *value,
-                              struct error *error)
+static struct item *append_item(struct parser *parser, struct argument_value *value,
+                                struct error *error)
 {
     if (value->count >= LIMIT_TOKENS) {
         error_set(error, ERROR_COMMAND, "more than %d words in a statement", LIMIT_TOKENS);
@@ -77,8 +77,8 @@ struct argument_progress {
 /* Reads the value of argument `index`, or several separated by commas, from the parser. `start` is
  * where the argument begins in the line, for messages. Returns false with an error if the value is
  * malformed or missing, or if an argument that excludes this one was given. */
-static bool read_into(struct argument_progress *progress, int index, const char *start,
-                      struct error *error)
+static bool read_argument_value(struct argument_progress *progress, int index, const char *start,
+                                struct error *error)
 {
     struct parser *parser = progress->parser;
     const struct argument *argument = &progress->command->argument[index];
@@ -107,7 +107,7 @@ static bool read_into(struct argument_progress *progress, int index, const char 
             buffer_free(&usage);
             return false;
         }
-        struct item *item = next_item(parser, value, error);
+        struct item *item = append_item(parser, value, error);
         if (!item || !argument_type(argument)->read(parser, argument, many ? "," : "", item, error))
             return false;
         value->count++;
@@ -131,7 +131,7 @@ static int find_argument(const struct command *command, enum argument_form form,
 }
 
 /* Returns the index of the argument that takes any NAME=VALUE, such as initial values, or -1. */
-static int find_start(const struct command *command)
+static int find_any_key_argument(const struct command *command)
 {
     for (int i = 0; i < command->arguments; i++)
         if (type_is(&command->argument[i], TYPE_IS_ANY_KEY))
@@ -141,7 +141,7 @@ static int find_start(const struct command *command)
 
 /* Returns true if the word is one that may precede an argument without changing it, such as "of".
  */
-static bool is_lead(const struct command *command, struct text word)
+static bool is_leading_word(const struct command *command, struct text word)
 {
     for (int i = 0; i < command->arguments; i++)
         if (command->argument[i].lead && text_is(word, command->argument[i].lead))
@@ -197,7 +197,7 @@ static size_t key_length(struct text text, struct text name)
 /* Returns the index of the argument that takes an item without introduction: the list that is open,
  * else the first positional argument that is free and accepts the word. Returns -1 if there is
  * none. */
-static int next_index(const struct argument_progress *progress, struct text word)
+static int find_positional_argument(const struct argument_progress *progress, struct text word)
 {
     const struct command *command = progress->command;
     if (progress->open >= 0 && command->argument[progress->open].type == TYPE_RUN && word.len > 0 &&
@@ -224,7 +224,7 @@ static int next_index(const struct argument_progress *progress, struct text word
     return last;
 }
 
-static bool takes_rest(const struct argument *argument)
+static bool takes_rest_of_statement(const struct argument *argument)
 {
     return type_is(argument, TYPE_TAKES_REST);
 }
@@ -232,16 +232,16 @@ static bool takes_rest(const struct argument *argument)
 /* Reads one argument at parser->rest, which begins with a non-blank. Tries --option, NAME=, a
  * keyword, a leading word and then position, in this order. Returns false with an error if nothing
  * fits or the argument is given twice. */
-static bool read_next(struct argument_progress *progress, struct error *error)
+static bool read_next_argument(struct argument_progress *progress, struct error *error)
 {
     struct parser *parser = progress->parser;
     struct text *rest = &parser->rest;
     const char *start = rest->data;
     const struct text name = rest->data[0] == '>' ? (struct text){rest->data, 1} : peek_name(*rest);
     size_t used = 0;
-    int index = next_index(progress, (struct text){rest->data, 0});
-    if (index >= 0 && takes_rest(&progress->command->argument[index]))
-        return read_into(progress, index, start, error);
+    int index = find_positional_argument(progress, (struct text){rest->data, 0});
+    if (index >= 0 && takes_rest_of_statement(&progress->command->argument[index]))
+        return read_argument_value(progress, index, start, error);
     if (text_starts(*rest, TEXT("--")) && rest->len > 2 && is_name_start(rest->data[2])) {
         const struct text option = peek_name((struct text){rest->data + 2, rest->len - 2});
         index = find_argument(progress->command, FORM_OPTION, option);
@@ -252,15 +252,16 @@ static bool read_next(struct argument_progress *progress, struct error *error)
     } else if ((used = key_length(*rest, name)) > 0) {
         index = find_argument(progress->command, FORM_KEY, name);
         /* NAME is part of the item, as in an initial value y0=1 */
-        if (index < 0 && (index = find_start(progress->command)) >= 0) {
+        if (index < 0 && (index = find_any_key_argument(progress->command)) >= 0) {
             used = 0;
             if (!argument_is_in(progress->command, FORM_KEY, name, error))
                 return false;
         }
         /* The = of `let NAME = value` belongs to the value. */
-        if (index < 0 && next_index(progress, name) >= 0 &&
-            type_is(&progress->command->argument[next_index(progress, name)], TYPE_BEFORE_EQUALS)) {
-            index = next_index(progress, name);
+        if (index < 0 && find_positional_argument(progress, name) >= 0 &&
+            type_is(&progress->command->argument[find_positional_argument(progress, name)],
+                    TYPE_BEFORE_EQUALS)) {
+            index = find_positional_argument(progress, name);
             used = 0;
         }
         if (index < 0)
@@ -277,11 +278,11 @@ static bool read_next(struct argument_progress *progress, struct error *error)
                                           : name)) >= 0 &&
                peek_word(*rest, "").len == name.len) {
         used = name.len;
-    } else if (is_lead(progress->command, name)) {
+    } else if (is_leading_word(progress->command, name)) {
         *rest = (struct text){rest->data + name.len, rest->len - name.len};
         return true;
     } else {
-        index = next_index(progress, peek_word(*rest, ","));
+        index = find_positional_argument(progress, peek_word(*rest, ","));
         used = 0;
         if (index < 0)
             return refuse_rest(parser, progress->number, error);
@@ -291,7 +292,7 @@ static bool read_next(struct argument_progress *progress, struct error *error)
         return error_at(error, (struct text){start, used ? used : 1}, "'%s' is given twice",
                         progress->command->argument[index].name);
     *rest = (struct text){rest->data + used, rest->len - used};
-    return read_into(progress, index, start, error);
+    return read_argument_value(progress, index, start, error);
 }
 
 /* Reads all arguments of a statement into `arguments`. Returns false with an error at the first
@@ -308,7 +309,7 @@ bool parse_arguments(struct parser *parser, const struct command *command,
         /* No blank separates a number from what follows, as in 0,5 or 5cmm. */
         if (progress.number && previous.data == parser->rest.data)
             return refuse_rest(parser, progress.number, error);
-        if (!read_next(&progress, error))
+        if (!read_next_argument(&progress, error))
             return false;
     }
     for (int i = 0; i < command->arguments; i++)

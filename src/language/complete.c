@@ -143,7 +143,7 @@ static void count_offer(void *context, const char *candidate, const char *brief)
 
 /* Returns the index in c->word at which the operand being typed begins. A hyphen may belong to a
  * name, as in phase-error: it does if `names` then offers a candidate. */
-static size_t operand(const struct completion *c, void (*names)(struct completion *c))
+static size_t operand_start(const struct completion *c, void (*names)(struct completion *c))
 {
     const struct text word = c->word;
     size_t begin = word.len;
@@ -168,7 +168,7 @@ void complete_value(struct completion *c, struct text value, enum quantity quant
 {
     if (text_starts(c->word, TEXT("--"))) /* an option */
         return;
-    const size_t operand_begin = operand(c, names);
+    const size_t operand_begin = operand_start(c, names);
     const char last = last_letter(value);
     c->word = text_after(c->word, operand_begin);
     if (operand_begin > 0 || !last || strchr("<>=:,", last) || value_is_open(value))

@@ -32,8 +32,8 @@ struct text next_key_argument(struct text *rest)
 }
 
 /* Reads one end of the range into *value (in SI units), with the blanks around it. */
-static bool read_end(struct parser *parser, const struct value_grid *grid, double *value,
-                     struct error *error)
+static bool read_range_end(struct parser *parser, const struct value_grid *grid, double *value,
+                           struct error *error)
 {
     struct item item = {0};
     text_skip_blanks(&parser->rest);
@@ -45,7 +45,7 @@ static bool read_end(struct parser *parser, const struct value_grid *grid, doubl
 }
 
 /* Skips a colon and the blanks after it. Returns false if there is no colon. */
-static bool take_colon(struct parser *parser)
+static bool skip_colon(struct parser *parser)
 {
     const bool there = text_starts(parser->rest, TEXT(":"));
     if (there)
@@ -94,16 +94,16 @@ static bool count_values(struct value_grid *grid, double step, struct text where
 bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *error)
 {
     const struct text range = parser->rest;
-    if (!read_end(parser, grid, &grid->first, error))
+    if (!read_range_end(parser, grid, &grid->first, error))
         return false;
-    if (!take_colon(parser)) {
+    if (!skip_colon(parser)) {
         error_at(error, text_trim(range), "%s needs a range from:to", grid->name);
         return error_hint(error, "for example %s=1:10:0.5, or %s=1:100:x10 for factors of 10",
                           grid->name, grid->name);
     }
-    if (!read_end(parser, grid, &grid->last, error))
+    if (!read_range_end(parser, grid, &grid->last, error))
         return false;
-    if (!take_colon(parser)) {
+    if (!skip_colon(parser)) {
         grid->count = grid->first == grid->last ? 1 : GRID_VALUES_USUAL;
         return refuse_rest(parser, NULL, error);
     }

@@ -70,8 +70,8 @@ bool needs_spring(const struct scene *scene, const char *what, struct error *err
 /* Turns the subject's series into the energy of a recording, from its velocity and the mass and
  * spring constant known for it, and notes in subject->how where they come from. Returns false with
  * an error if one of them is unknown. */
-static bool data_energy(const struct session *session, struct arena *arena, struct subject *subject,
-                        struct error *error)
+static bool recording_energy_series(const struct session *session, struct arena *arena,
+                                    struct subject *subject, struct error *error)
 {
     struct data_motion motion;
     if (!series_tools()->motion(session, subject->recording, &subject->series, true, arena, &motion,
@@ -94,7 +94,7 @@ static void window_ends(const struct argument_value *window, double end[2])
 
 /* Returns the part of a series in the argument's window of time, whose ends may be open (NAN), or
  * all of it if no window was given. */
-static struct series in_window(struct series series, const struct argument_value *window)
+static struct series series_in_window(struct series series, const struct argument_value *window)
 {
     double end[2];
     if (!window || !window->count)
@@ -112,7 +112,7 @@ static bool open_run(struct run *run, const struct argument_value *window, bool 
     snprintf(subject->name, sizeof subject->name, "run %d", run->number);
     if (!run_series(run, energy, arena, &subject->series, error))
         return false;
-    subject->series = in_window(subject->series, window);
+    subject->series = series_in_window(subject->series, window);
     if (subject->series.n >= min)
         return true;
     error_set(error, ERROR_COMMAND, "%s holds %zu samples there, at least %zu are needed",
@@ -143,7 +143,7 @@ static bool open_recording(const struct session *session, struct recording *reco
     recording->window[1] = old_window[1];
     if (!ok && window && window->count)
         error->where = window->where;
-    return ok && (!energy || data_energy(session, arena, subject, error));
+    return ok && (!energy || recording_energy_series(session, arena, subject, error));
 }
 
 /* Replaces the subject's series by another column of its run (a variable, an observed expression or
@@ -176,7 +176,7 @@ bool subject_column(struct subject *subject, const struct argument_value *column
     }
     const struct series whole = {t,           y, n, chosen_variable(&run->system, &chosen).quantity,
                                  run->cancel, 0};
-    subject->series = in_window(whole, window);
+    subject->series = series_in_window(whole, window);
     subject->column = true;
     snprintf(subject->name, sizeof subject->name, "%.*s of run %d", (int)name.len, name.data,
              run->number);

@@ -24,8 +24,8 @@
     static void name(UNUSED_OK struct completion *c, UNUSED_OK const struct argument *argument,    \
                      UNUSED_OK struct text preceding)
 
-static bool in_range(const struct parser *parser, const struct argument *argument,
-                     const struct item *item, struct error *error)
+static bool check_positive(const struct parser *parser, const struct argument *argument,
+                           const struct item *item, struct error *error)
 {
     const struct text rest = parser->rest;
     if ((argument->flags & ARG_NEGATIVE) || item->value.value > 0)
@@ -149,7 +149,7 @@ READ_ITEM(read_recording)
 }
 
 /* Returns true if a typed scene, of the session or of a run, has this variable or observed one. */
-static bool typed_column(const struct session *session, struct text name)
+static bool is_typed_variable(const struct session *session, struct text name)
 {
     bool known = false;
     for (int i = -1; i < session->runs.count && !known; i++) {
@@ -173,7 +173,7 @@ static bool is_found_column(const struct session *session, struct text name)
 }
 
 /* Returns true if the rest of the statement contains the word `of`, outside of strings. */
-static bool is_of_table(struct text rest)
+static bool rest_contains_of(struct text rest)
 {
     for (struct text word; (rest = text_trim(rest)).len > 0;) {
         word = peek_word(rest, "");
@@ -196,7 +196,7 @@ READ_ITEM(read_column)
 {
     if (!parse_word(parser, ",", item, error))
         return false;
-    if ((argument->flags & ARG_OF) && is_of_table(parser->rest))
+    if ((argument->flags & ARG_OF) && rest_contains_of(parser->rest))
         return true;
     const struct row *choice =
         argument->choices ? catalog_find(argument->choices, item->text) : NULL;
@@ -209,7 +209,7 @@ READ_ITEM(read_column)
     for (const struct model *const *model = scene_models; *model; model++)
         if (item->row || model_variable(*model, item->text) >= 0)
             return true;
-    if (typed_column(parser->session, item->text))
+    if (is_typed_variable(parser->session, item->text))
         return true;
     if (argument->flags & ARG_OF && argument->choices) { /* a method or a column of a study */
         item->row = catalog_find(&method_catalog, item->text);
@@ -309,7 +309,7 @@ READ_ITEM(read_none)
 READ_ITEM(read_value)
 {
     return parse_value(parser, argument->name, argument->quantity, item, error) &&
-           in_range(parser, argument, item, error);
+           check_positive(parser, argument, item, error);
 }
 
 READ_ITEM(read_integer)
@@ -344,7 +344,7 @@ READ_ITEM(read_unit)
     return item->unit || catalog_unknown(&unit_catalog, item->text, error);
 }
 
-static void parser_take(struct parser *parser, size_t used)
+static void parser_advance(struct parser *parser, size_t used)
 {
     parser->rest = text_after(parser->rest, used);
 }
@@ -358,7 +358,7 @@ READ_ITEM(read_name)
                  word.data);
         return error_hint(error, "a name begins with a letter, a to z; digits and _ may follow");
     }
-    parser_take(parser, item->text.len);
+    parser_advance(parser, item->text.len);
     return true;
 }
 
@@ -369,7 +369,7 @@ READ_ITEM(read_param)
         return error_at(error, peek_word(parser->rest, ""), "%s needs the names of parameters",
                         argument->name);
     item->index = scene_param_at(&parser->session->setup.scene, item->text);
-    parser_take(parser, item->text.len);
+    parser_advance(parser, item->text.len);
     return true;
 }
 
@@ -381,7 +381,7 @@ READ_ITEM(read_text)
 READ_ITEM(read_rest)
 {
     item->text = parser->rest;
-    parser_take(parser, parser->rest.len);
+    parser_advance(parser, parser->rest.len);
     return true;
 }
 

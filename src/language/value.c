@@ -83,7 +83,7 @@ static double take_last_digits(struct text typed, struct text *rest)
 
 /* Takes the power of ten behind an uncertainty in parentheses off the text, as in 1.50(2)e-3, and
  * multiplies the number and its uncertainty by it. Takes nothing if none follows. */
-static void take_power(struct text typed, struct number_part *part, struct text *rest)
+static void take_exponent(struct text typed, struct number_part *part, struct text *rest)
 {
     size_t end = 1, used;
     char whole[LIMIT_NAME + 16];
@@ -121,7 +121,7 @@ static void take_unit(struct parser *parser, struct number_part *part)
 
 /* Reads an expression with its unit, and digits of uncertainty in parentheses. Returns false with
  * an error if the expression does not compile. */
-static bool parse_part(struct parser *parser, struct number_part *part, struct error *error)
+static bool parse_number_part(struct parser *parser, struct number_part *part, struct error *error)
 {
     size_t used;
     text_skip_blanks(&parser->rest);
@@ -137,15 +137,16 @@ static bool parse_part(struct parser *parser, struct number_part *part, struct e
     text_skip(&parser->rest, used);
     part->last_digits = take_last_digits((struct text){start.data, used}, &parser->rest);
     if (part->last_digits > 0) {
-        take_power((struct text){start.data, used}, part, &parser->rest);
+        take_exponent((struct text){start.data, used}, part, &parser->rest);
         take_unit(parser, part);
     }
     return true;
 }
 
 /* Fills `error` if a value has another quantity (`is`) than the argument needs. Returns false. */
-static bool wrong_quantity(const char *what, enum quantity wanted, const struct dimension *is,
-                           struct text typed, struct error *error)
+static bool report_wrong_quantity(const char *what, enum quantity wanted,
+                                  const struct dimension *is, struct text typed,
+                                  struct error *error)
 {
     struct buffer units = {0}, name = {0};
     dimension_put(is, &name);
@@ -176,8 +177,9 @@ static const struct unit *borrowed_unit(const struct number_part *part,
 /* Converts one side of +- to SI units; a bare number is in the unit of the other side, or in the SI
  * unit. Returns false with an error if its dimension does not fit the wanted quantity; the hint
  * explains Hz against rad/s. */
-static bool to_si(const struct number_part *part, const struct number_part *other, const char *what,
-                  enum quantity wanted, struct text typed, double *si, struct error *error)
+static bool convert_to_si(const struct number_part *part, const struct number_part *other,
+                          const char *what, enum quantity wanted, struct text typed, double *si,
+                          struct error *error)
 {
     bool unclear;
     int turns;
@@ -189,7 +191,7 @@ static bool to_si(const struct number_part *part, const struct number_part *othe
                         shown_length(typed), typed.data);
     if (!dimension_fits(&is, wanted, &turns)) {
         const double angle = dimension_angle_factor(&is, wanted);
-        wrong_quantity(what, wanted, &is, typed, error);
+        report_wrong_quantity(what, wanted, &is, typed, error);
         if (angle != 0)
             return error_hint(error,
                               angle > 0 ? "Hz counts cycles: 2*pi*(%.*s) counts radians"
@@ -249,7 +251,7 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
         error_at(error, parser->rest, "%s needs a value", what);
         return false;
     }
-    if (!parse_part(parser, &number, error))
+    if (!parse_number_part(parser, &number, error))
         return false;
     struct text following = parser->rest;
     text_skip_blanks(&following);
@@ -259,7 +261,7 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     if (signs) {
         parser->rest = following;
         text_skip(&parser->rest, 2);
-        if (!parse_part(parser, &spread, error))
+        if (!parse_number_part(parser, &spread, error))
             return false;
     }
     const struct text typed = text_between(start, parser->rest.data);
@@ -269,9 +271,9 @@ bool parse_value(struct parser *parser, const char *what, enum quantity wanted, 
     item->unit = unit_of_value(is);
     item->value = (struct measured){0, 0};
     if (!check_spread(&number, &spread, typed, error) ||
-        !to_si(&number, &spread, what, wanted, typed, &item->value.value, error) ||
+        !convert_to_si(&number, &spread, what, wanted, typed, &item->value.value, error) ||
         (uncertain &&
-         !to_si(&spread, &number, what, wanted, typed, &item->value.uncertainty, error)))
+         !convert_to_si(&spread, &number, what, wanted, typed, &item->value.uncertainty, error)))
         return false;
     if (wanted != QUANTITY_OTHER)
         item->quantity = wanted;
@@ -364,7 +366,7 @@ bool parse_integer(struct parser *parser, const char *what, bool negative, struc
 }
 
 /* Fills `error` for a decimal comma, as in 0,5; rest begins with the comma. Returns false. */
-static bool decimal_comma(struct text rest, struct error *error)
+static bool report_decimal_comma(struct text rest, struct error *error)
 {
     /* rest.data[-1] is the last digit of the number before the comma. */
     const char *begin = rest.data, *end = rest.data + 1;
@@ -401,7 +403,7 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
         return true;
     if (number && rest.len >= 2 && rest.data[0] == ',' && is_digit_char(rest.data[1]) &&
         is_digit_char(rest.data[-1]))
-        return decimal_comma(rest, error);
+        return report_decimal_comma(rest, error);
     text_skip_blanks(&rest);
     if (rest.len == 0)
         return true;

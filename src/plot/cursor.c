@@ -31,7 +31,7 @@ static size_t sample_before(const struct series *s, double t)
 
 /* Returns the sample nearest to t, whose time is uncertain by the spacing, or the point
  * interpolated between two samples if `inside`. */
-static struct snap_point point_at(const struct ground *g, double t, bool inside)
+static struct snap_point sample_point(const struct ground *g, double t, bool inside)
 {
     const struct series *s = &g->series;
     const size_t i = sample_before(s, t);
@@ -51,8 +51,8 @@ struct peak_sums {
 
 /* Sums over the samples a to b that are neither spikes nor far down the flanks of the peak at
  * sample `top`; x is the time from `middle` in units of `scale`. */
-static struct peak_sums sum_peak(const struct ground *g, size_t top, size_t a, size_t b,
-                                 double middle, double scale)
+static struct peak_sums sum_peak_samples(const struct ground *g, size_t top, size_t a, size_t b,
+                                         double middle, double scale)
 {
     const struct series *s = &g->series;
     const double flank = s->y[top] - 0.25 * (g->overview.high - g->overview.low);
@@ -94,9 +94,9 @@ static bool peak_between(const struct ground *g, double t_begin, double t_end,
         b++;
     /* y = p + q x + r x^2 with x counted from the mean: the sum of x is 0 in the equations. */
     const double scale = s->t[b] - s->t[a];
-    struct peak_sums sums = sum_peak(g, top, a, b, s->t[top], scale);
+    struct peak_sums sums = sum_peak_samples(g, top, a, b, s->t[top], scale);
     const double mean = s->t[top] + scale * sums.x[1] / sums.x[0];
-    sums = sum_peak(g, top, a, b, mean, scale);
+    sums = sum_peak_samples(g, top, a, b, mean, scale);
     const double *x = sums.x, *y = sums.y;
     const double det = x[0] * (x[2] * x[4] - x[3] * x[3]) - x[2] * x[2] * x[2];
     const double q =
@@ -135,8 +135,8 @@ static size_t count_late(const struct crossing *crossing, size_t count, const st
  * out as spikes of the sensor. The phase is that of the line through all periods or of one of the
  * first crossings, whichever leaves fewer off the beat, because the first crossing may be a spike
  * itself. Returns false if too many are off. */
-static bool keeps_time(const struct ground *g, const struct crossing *crossing, size_t count,
-                       struct period *beat)
+static bool find_beat(const struct ground *g, const struct crossing *crossing, size_t count,
+                      struct period *beat)
 {
     /* Crossings whose phase is tried, and the largest fraction of them that may be off. */
     enum { TRIED = 32 };
@@ -182,7 +182,7 @@ static bool find_points(struct ground *g, bool peaks, struct error *error)
         !(g->peak = arena_array(g->arena, count + 1, sizeof *g->peak)))
         return error_memory(error);
     struct period beat;
-    const bool steady = g->data && keeps_time(g, crossing, count, &beat);
+    const bool steady = g->data && find_beat(g, crossing, count, &beat);
     int number = 0;
     for (size_t i = 0; i < count; i++) {
         const double t = crossing[i].t;
@@ -209,7 +209,8 @@ static bool find_points(struct ground *g, bool peaks, struct error *error)
 
 /* Computes the overview of a series (mean, extent, period), or only its extent if the module that
  * measures series is missing. */
-static void overview_of(const struct series *series, struct arena *arena, struct overview *overview)
+static void compute_overview(const struct series *series, struct arena *arena,
+                             struct overview *overview)
 {
     const struct series_tools *tools = series_tools();
     if (tools) {
@@ -256,14 +257,14 @@ bool ground_open(struct session *session, struct arena *arena, struct ground *gr
                              "run %d is at its start: there is nothing to measure yet",
                              run->number);
     }
-    overview_of(&ground->series, arena, &ground->overview);
+    compute_overview(&ground->series, arena, &ground->overview);
     return find_points(ground, cursors->snap == SNAP_PEAK, error);
 }
 
 /* ---- moves ---- */
 
 /* Sets a cursor to a point. */
-static void put_point(struct cursors *cursors, int which, const struct snap_point *point)
+static void cursor_set_point(struct cursors *cursors, int which, const struct snap_point *point)
 {
     cursors->cursor[which].set = true;
     cursors->cursor[which].t = point->t;
@@ -274,8 +275,8 @@ static void put_point(struct cursors *cursors, int which, const struct snap_poin
 }
 
 /* Returns the points that cursors snap to, or the crossings if they snap to samples or nothing. */
-static const struct snap_point *points_of(const struct cursors *cursors, const struct ground *g,
-                                          size_t *count)
+static const struct snap_point *snap_points(const struct cursors *cursors, const struct ground *g,
+                                            size_t *count)
 {
     const bool peaks = cursors->snap == SNAP_PEAK;
     *count = peaks ? g->peaks : g->crossings;
@@ -287,7 +288,7 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
 {
     const struct series *s = &g->series;
     size_t count;
-    const struct snap_point *points = points_of(cursors, g, &count), *nearest = NULL;
+    const struct snap_point *points = snap_points(cursors, g, &count), *nearest = NULL;
     if (s->n == 0)
         return;
     t = fmin(fmax(t, s->t[0]), s->t[s->n - 1]);
@@ -295,8 +296,8 @@ void cursor_put(struct cursors *cursors, const struct ground *g, int which, doub
     for (size_t i = 0; snaps && i < count; i++)
         if (fabs(points[i].t - t) <= (nearest ? fabs(nearest->t - t) : reach))
             nearest = &points[i];
-    const struct snap_point other = point_at(g, t, cursors->snap != SNAP_SAMPLE);
-    put_point(cursors, which, nearest ? nearest : &other);
+    const struct snap_point other = sample_point(g, t, cursors->snap != SNAP_SAMPLE);
+    cursor_set_point(cursors, which, nearest ? nearest : &other);
 }
 
 /* Moves the active cursor to the next or the previous point. Returns false with an error if there
@@ -305,7 +306,7 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
 {
     const double t = cursors->cursor[cursors->active].t, t_tolerance = 1e-6 * ground_spacing(g);
     size_t count, next = 0;
-    const struct snap_point *points = points_of(cursors, g, &count);
+    const struct snap_point *points = snap_points(cursors, g, &count);
     while (next < count && points[next].t <= (forward ? t + t_tolerance : t - t_tolerance))
         next++;
     if (forward ? next == count : next == 0) {
@@ -314,7 +315,7 @@ bool cursor_jump(struct cursors *cursors, const struct ground *g, bool forward, 
                          cursors->snap == SNAP_PEAK ? "peak" : "up-crossing", direction, t,
                          g->name);
     }
-    put_point(cursors, cursors->active, &points[forward ? next : next - 1]);
+    cursor_set_point(cursors, cursors->active, &points[forward ? next : next - 1]);
     return true;
 }
 
@@ -326,7 +327,7 @@ static bool span_crossings(struct cursors *cursors, const struct ground *g, int 
     const int first = cursors->cursor[0].crossing;
     for (size_t i = 0; i < g->crossings; i++)
         if (g->crossing[i].crossing == first + n) {
-            put_point(cursors, 1, &g->crossing[i]);
+            cursor_set_point(cursors, 1, &g->crossing[i]);
             return true;
         }
     const int last = g->crossings > 0 ? g->crossing[g->crossings - 1].crossing : first;
@@ -362,8 +363,8 @@ void cursor_spread(struct cursors *cursors, const struct ground *g)
         cursor_put(cursors, g, i, end[i], HUGE_VAL);
     const bool apart = cursors->cursor[0].t < cursors->cursor[1].t;
     for (int i = 0; i < 2 && !apart; i++) {
-        const struct snap_point point = point_at(g, end[i], true);
-        put_point(cursors, i, &point);
+        const struct snap_point point = sample_point(g, end[i], true);
+        cursor_set_point(cursors, i, &point);
     }
 }
 

@@ -19,28 +19,28 @@ const struct observable *observable_named(const char *name)
     return observable_by_name(text_of(name));
 }
 
-static const struct run *run_of(const struct drawing *d, int i)
+static const struct run *request_run(const struct drawing *d, int i)
 {
     return d->session->runs.slot[d->request->run[i]]->run;
 }
 
 /* Returns the observable that is drawn, or NULL for states. It is the kinetic energy if a run has
  * no potential for its forces. */
-static const struct observable *observable(const struct drawing *d)
+static const struct observable *drawn_observable(const struct drawing *d)
 {
     const struct plot_row *row = kind_of(d);
     if (!row->observable)
         return NULL;
     for (int i = 0; i < d->request->runs && row->energy; i++)
-        if (!run_of(d, i)->system.energy)
-            return observable_energy(&run_of(d, i)->system);
+        if (!request_run(d, i)->system.energy)
+            return observable_energy(&request_run(d, i)->system);
     return observable_named(row->observable);
 }
 
 /* Returns true if the energy that is drawn is the kinetic one. */
 static bool is_kinetic(const struct drawing *d)
 {
-    const struct observable *drawn = kind_of(d)->energy ? observable(d) : NULL;
+    const struct observable *drawn = kind_of(d)->energy ? drawn_observable(d) : NULL;
     return drawn && !(drawn->needs & NEED_ENERGY);
 }
 
@@ -49,10 +49,10 @@ static bool is_kinetic(const struct drawing *d)
 static bool find_model(struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    const struct run *first = run_of(d, 0);
+    const struct run *first = request_run(d, 0);
     d->model = first->system.model;
     for (int i = 1; i < request->runs; i++) {
-        const struct run *run = run_of(d, i);
+        const struct run *run = request_run(d, i);
         if (!models_alike(run->system.model, d->model))
             return error_set(
                 d->error, ERROR_COMMAND,
@@ -81,7 +81,7 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run)
     const char *name = run->name[0] ? run->name : run->method->row.name;
     bool alone = true;
     for (int i = 0; i < d->request->runs; i++) {
-        const struct run *other = run_of(d, i);
+        const struct run *other = request_run(d, i);
         const char *its = other->name[0] ? other->name : other->method->row.name;
         alone &= other == run || strcmp(its, name) != 0;
     }
@@ -95,7 +95,7 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run)
 }
 
 /* Returns true if magnitudes are drawn: errors have both signs, on a logarithmic axis. */
-static bool shows_size(const struct drawing *d)
+static bool draws_magnitude(const struct drawing *d)
 {
     return kind_of(d)->log_label && d->request->log;
 }
@@ -108,9 +108,9 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
     if (d->request->columns)
         return chosen_at_rows(run, &d->column[coordinate], rows, d->arena, y, d->error);
     if (plot_row(kind)->observable) {
-        if (!values_at_rows(run, observable(d), rows, d->arena, y, d->error))
+        if (!values_at_rows(run, drawn_observable(d), rows, d->arena, y, d->error))
             return false;
-        for (size_t i = 0; i < rows->n && shows_size(d); i++)
+        for (size_t i = 0; i < rows->n && draws_magnitude(d); i++)
             y[i] = fabs(y[i]);
         return true;
     }
@@ -122,7 +122,7 @@ static bool vertical_values(struct drawing *d, const struct run *run, int coordi
 }
 
 /* Sets the window [s] of one run: in a plane the last periods before its own end. */
-static void own_window(const struct drawing *d, const struct run *run, double window[2])
+static void run_window(const struct drawing *d, const struct run *run, double window[2])
 {
     const double end = trace_time(run->trace, trace_count(run->trace) - 1);
     memcpy(window, d->window, sizeof d->window);
@@ -182,7 +182,7 @@ static bool add_run(struct drawing *d, const struct run *run)
         return kind_of(d)->run_curve(d, run, curve);
     }
     double window[2];
-    own_window(d, run, window);
+    run_window(d, run, window);
     struct arena arena = {0}; /* the numbers of the rows are given back before the curve is read */
     struct chosen_rows rows;
     const struct row_request part = drawing_rows(d, window);
@@ -204,7 +204,7 @@ static double curve_value_max(const struct curve *curve, const double *x)
     return max;
 }
 
-static double size_of(const struct drawing *d, bool x)
+static double curves_size(const struct drawing *d, bool x)
 {
     double size = 0;
     for (int i = 0; i < d->curves; i++)
@@ -251,27 +251,27 @@ static const char *make_note(const struct drawing *d)
     return note;
 }
 
-static bool is_shown(const struct drawing *d, const struct recording *recording)
+static bool shows_recorded_values(const struct drawing *d, const struct recording *recording)
 {
-    const struct run *run = d->request->runs > 0 ? run_of(d, 0) : NULL;
+    const struct run *run = d->request->runs > 0 ? request_run(d, 0) : NULL;
     return recording_shows(recording, run, d->request->kind);
 }
 
 bool drawing_needs_motion(const struct drawing *d, const struct recording *recording)
 {
-    return kind_of(d)->of_motion && !is_shown(d, recording);
+    return kind_of(d)->of_motion && !shows_recorded_values(d, recording);
 }
 
 /* Returns true if the plot cannot show what the recording holds, such as positions. */
-static bool holds_another(const struct drawing *d, const struct recording *recording)
+static bool holds_other_quantity(const struct drawing *d, const struct recording *recording)
 {
     const struct plot_row *row = kind_of(d);
     return row->recorded && !row->any_recording && !row->of_motion && !recorded_bare(recording) &&
            !quantity_is_scaled(recording->column[recording->value].quantity) &&
-           !is_shown(d, recording);
+           !shows_recorded_values(d, recording);
 }
 
-static enum quantity y_quantity(const struct drawing *d)
+static enum quantity vertical_quantity(const struct drawing *d)
 {
     const struct recording *recording = recording_of(d);
     const enum plot_kind kind = d->request->kind;
@@ -282,9 +282,9 @@ static enum quantity y_quantity(const struct drawing *d)
     if (d->model && d->omega0 != 1)
         return d->model->variable[0].quantity;
     if (d->request->columns)
-        return chosen_variable(&run_of(d, 0)->system, &d->column[0]).quantity;
+        return chosen_variable(&request_run(d, 0)->system, &d->column[0]).quantity;
     if (plot_row(kind)->observable)
-        return model_quantity(d->model, observable(d));
+        return model_quantity(d->model, drawn_observable(d));
     return vertical_variable(d->model, kind)->quantity;
 }
 
@@ -295,7 +295,7 @@ const char *drawing_y_label(const struct drawing *d, int panel)
     const struct plot_row *row = kind_of(d);
     if (is_kinetic(d))
         return "E kin";
-    if (shows_size(d))
+    if (draws_magnitude(d))
         return row->log_label;
     if (row->label && (!d->model || !row->coordinates))
         return row->label;
@@ -314,12 +314,12 @@ const char *drawing_y_label(const struct drawing *d, int panel)
     return label;
 }
 
-static void mark_present(const struct drawing *d, struct figure *figure)
+static void mark_current_state(const struct drawing *d, struct figure *figure)
 {
     if (d->request->runs == 0 || d->curve[0].n == 0)
         return;
     const struct curve *curve = &d->curve[0];
-    const struct trace *trace = run_of(d, 0)->trace;
+    const struct trace *trace = request_run(d, 0)->trace;
     const double *t = curve->t ? curve->t : curve->x;
     /* not the end of a window */
     figure->has_point = t[curve->n - 1] == trace_time(trace, trace_count(trace) - 1);
@@ -333,7 +333,7 @@ static bool add_model(struct drawing *d, const struct recording *recording)
     const struct growing *now = d->session->growing;
     const int first = d->curves;
     if (d->request->runs > 0 || !session_grows(d->session, recording) || !now->model ||
-        !(is_shown(d, recording) || drawing_needs_motion(d, recording)))
+        !(shows_recorded_values(d, recording) || drawing_needs_motion(d, recording)))
         return true;
     d->model = now->model->system.model;
     if (!add_run(d, now->model))
@@ -351,7 +351,7 @@ static bool add_model(struct drawing *d, const struct recording *recording)
     return true;
 }
 
-static double seen_period(const struct drawing *d, const struct run *run)
+static double measured_run_period(const struct drawing *d, const struct run *run)
 {
     struct measured period;
     return run_period(run, d->arena, &period) ? period.value : NAN;
@@ -377,7 +377,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
     if (request->runs > 0 && !find_model(d))
         return false;
     if (request->runs > 0) {
-        const struct run *run = run_of(d, 0);
+        const struct run *run = request_run(d, 0);
         const double stiffness = run->system.oscillator.stiffness; /* the one in force */
         d->period = request->event.len ? NAN : run_rhythm(run);
         if (row->scaled && session->setup.settings.phase_axes == PHASE_SCALED && stiffness > 0)
@@ -390,15 +390,15 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
     /* The scene gives no period: it is measured. */
     if (row->horizontal == ACROSS_FREQUENCY && request->runs > 0 && isnan(d->period) &&
         !request->follow)
-        d->period = seen_period(d, run_of(d, 0));
+        d->period = measured_run_period(d, request_run(d, 0));
     if (row->residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");
-    if (recording && holds_another(d, recording))
+    if (recording && holds_other_quantity(d, recording))
         return error_set(error, ERROR_COMMAND, "no %s is found from what %s holds", row->row.name,
                          recording->name);
     for (int i = 0; i < request->runs && !row->residual; i++)
         if (!(request->event.len ? drawing_event_records(d, session->runs.slot[request->run[i]])
-                                 : add_run(d, run_of(d, i))))
+                                 : add_run(d, request_run(d, i))))
             return false;
     if (!add_band(d))
         return false;
@@ -424,14 +424,14 @@ static bool label_axes(const struct drawing *d, const struct plot_row *row,
     if (!x_name)
         return error_memory(d->error);
     if (figure->plane)
-        figure->x = quantity_axis(x_name, x_variable->quantity, size_of(d, true));
+        figure->x = quantity_axis(x_name, x_variable->quantity, curves_size(d, true));
     else
         figure->x = row->axis ? row->axis(d) : quantity_axis("t", QUANTITY_TIME, d->window[1]);
-    figure->y = quantity_axis(drawing_y_label(d, 0), y_quantity(d), size_of(d, false));
+    figure->y = quantity_axis(drawing_y_label(d, 0), vertical_quantity(d), curves_size(d, false));
     if (!figure->y.label)
         return error_memory(d->error);
     if (request->columns && figure->y.unit[0] == 0)
-        figure->y.unit = chosen_unit(&run_of(d, 0)->system, &d->column[0]);
+        figure->y.unit = chosen_unit(&request_run(d, 0)->system, &d->column[0]);
     if (figure->equal) {
         figure->y.factor = figure->x.factor;
         figure->y.unit = figure->x.unit;
@@ -467,7 +467,7 @@ bool session_figure(const struct session *session, const struct figure_request *
     const bool values = request->columns || (d.model && d.model->order == 1 && row->coordinates);
     struct variable x_variable = {.quantity = QUANTITY_NUMBER};
     if (plane && request->columns)
-        x_variable = chosen_variable(&run_of(&d, 0)->system, &d.horizontal_column);
+        x_variable = chosen_variable(&request_run(&d, 0)->system, &d.horizontal_column);
     else if (plane && d.model)
         x_variable = d.model->variable[0];
     const char *title;
@@ -486,13 +486,13 @@ bool session_figure(const struct session *session, const struct figure_request *
     if (!label_axes(&d, row, &x_variable, figure))
         return false;
     if (!row->residual && !row->run_curve && !request->event.len)
-        mark_present(&d, figure);
+        mark_current_state(&d, figure);
     enum quantity horizontal;
     if (plane)
         horizontal = x_variable.quantity;
     else
         horizontal = row->horizontal == ACROSS_FREQUENCY ? QUANTITY_FREQUENCY : QUANTITY_TIME;
-    const enum quantity quantities[2] = {horizontal, y_quantity(&d)};
+    const enum quantity quantities[2] = {horizontal, vertical_quantity(&d)};
     return drawing_scales(&d, figure, quantities) &&
            (request->follow || !cancelled(session->front.cancel) ||
             error_set(error, ERROR_CANCELLED, "stopped"));

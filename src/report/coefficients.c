@@ -95,7 +95,7 @@ static int measure_columns(const struct method *method, int width[1 + COEFFICIEN
 }
 
 /* Appends a coefficient, padded with blanks to `width`. */
-static void put_cell(double value, int width, struct buffer *output)
+static void put_coefficient_cell(double value, int width, struct buffer *output)
 {
     const size_t begun = output->len;
     put_coefficient(value, false, output);
@@ -103,19 +103,19 @@ static void put_cell(double value, int width, struct buffer *output)
 }
 
 /* Appends a line "label | coefficients": the time of a stage, or the name of a kind of weights. */
-static void put_row(const struct coefficient_row *row, const int *width, int gap,
-                    struct buffer *output)
+static void put_coefficient_row(const struct coefficient_row *row, const int *width, int gap,
+                                struct buffer *output)
 {
     if (isnan(row->time))
         buffer_format(output, "  %-*s |", width[0], row->label);
     else {
         buffer_put(output, TEXT("  "));
-        put_cell(row->time, width[0], output);
+        put_coefficient_cell(row->time, width[0], output);
         buffer_put(output, TEXT(" |"));
     }
     for (int k = 0; k < row->count; k++) {
         buffer_format(output, "%*s", k ? gap : 1, "");
-        put_cell(row->value[k], width[k + 1], output);
+        put_coefficient_cell(row->value[k], width[k + 1], output);
     }
     while (output->len > 0 && !output->failed && output->data[output->len - 1] == ' ')
         output->data[--output->len] = '\0';
@@ -147,7 +147,7 @@ bool coefficients_text(const struct method *method, int max, struct buffer *outp
             buffer_char(output, '\n');
         }
         staged = !isnan(row.time);
-        put_row(&row, width, gap, output);
+        put_coefficient_row(&row, width, gap, output);
     }
     return true;
 }

@@ -14,13 +14,13 @@ static const char *event_name(const struct run_slot *slot, size_t i)
 
 /* Returns the number of values that a record shows: the state variables, then the observed
  * expressions. */
-static int columns_of(const struct run *run)
+static int event_column_count(const struct run *run)
 {
     return run->system.n + model_observed(run->system.model);
 }
 
 /* Returns the name and the quantity of value `column` of a record. */
-static struct variable column_at(const struct run *run, int column)
+static struct variable event_column(const struct run *run, int column)
 {
     const int n = run->system.n;
     return column < n ? system_variable(&run->system, column)
@@ -28,7 +28,7 @@ static struct variable column_at(const struct run *run, int column)
 }
 
 /* Computes value `column` at the state of record i. */
-static double column_value(const struct run *run, size_t i, int column)
+static double event_column_value(const struct run *run, size_t i, int column)
 {
     const double *y = run_event_record_state(run, i);
     const int n = run->system.n;
@@ -47,10 +47,10 @@ static void reply_event_record(const struct session *session, const struct run_s
     struct buffer *text = reply_buffer(reply);
     buffer_format(text, "%4zu  %-10s t = %s", i + 1, event_name(slot, i),
                   SHOWN_VALUE(record->t, QUANTITY_TIME, digits > 6 ? digits : 6));
-    for (int c = 0; c < columns_of(run); c++) {
-        const struct variable column = column_at(run, c);
+    for (int c = 0; c < event_column_count(run); c++) {
+        const struct variable column = event_column(run, c);
         buffer_format(text, "  %s = %s", column.name,
-                      SHOWN_VALUE(column_value(run, i, c), column.quantity, digits));
+                      SHOWN_VALUE(event_column_value(run, i, c), column.quantity, digits));
     }
     reply_begin(reply, "event");
     reply_int(reply, "run", run->number);
@@ -63,9 +63,9 @@ static void reply_event_record(const struct session *session, const struct run_s
     reply_string(reply, "direction", direction);
     reply_real(reply, "t", record->t);
     reply_object(reply, "state");
-    for (int c = 0; c < columns_of(run); c++) {
-        const struct variable column = column_at(run, c);
-        reply_real(reply, column.name, column_value(run, i, c));
+    for (int c = 0; c < event_column_count(run); c++) {
+        const struct variable column = event_column(run, c);
+        reply_real(reply, column.name, event_column_value(run, i, c));
     }
     reply_close(reply);
     reply_end(reply);
@@ -73,8 +73,8 @@ static void reply_event_record(const struct session *session, const struct run_s
 
 /* Writes a record with the number of times an event happened, whether that number is complete, and
  * the interval of time in which some may have been missed. */
-static void reply_count(const struct run_slot *slot, int event, const struct event_doubt *doubt,
-                        struct reply *reply)
+static void reply_event_count(const struct run_slot *slot, int event,
+                              const struct event_doubt *doubt, struct reply *reply)
 {
     const size_t all = run_event_records(slot->run);
     long long count = 0;
@@ -99,7 +99,7 @@ void reply_event_doubts(struct run_slot *slot, struct reply *reply)
     for (int i = 0; slot->events && i < slot->events->count; i++) {
         const struct event_doubt doubt = run_event_doubt(run, i);
         if (reply_wants_records(reply))
-            reply_count(slot, i, &doubt, reply);
+            reply_event_count(slot, i, &doubt, reply);
         if (doubt.steps == 0 || run->warned_doubt)
             continue;
         reply_warning(reply,
@@ -142,7 +142,7 @@ bool export_event_records(const struct session *session, struct export *export, 
         error_set(error, ERROR_COMMAND, "no events happened");
         return error_hint(error, "type: event NAME when EXPR do record; run");
     }
-    const size_t columns = (size_t)columns_of(run);
+    const size_t columns = (size_t)event_column_count(run);
     struct arena *arena = export->arena;
     struct table_column *exported = arena_array(arena, columns + 3, sizeof *exported);
     const char **name = arena_array(arena, rows, sizeof *name);
@@ -159,13 +159,13 @@ bool export_event_records(const struct session *session, struct export *export, 
     exported[1] = (struct table_column){.name = "t", .unit = "s", .value = t};
     exported[2] = (struct table_column){.name = "direction", .unit = "", .value = direction};
     for (int c = 0; c < (int)columns; c++) {
-        const struct variable column = column_at(run, c);
+        const struct variable column = event_column(run, c);
         double *value = arena_array(arena, rows, sizeof *value);
         const char *title = arena_text(arena, text_of(column.name));
         if (!value || !title)
             return error_memory(error);
         for (size_t i = 0; i < rows; i++)
-            value[i] = column_value(run, i, c);
+            value[i] = event_column_value(run, i, c);
         exported[c + 3] = (struct table_column){
             .name = title, .unit = quantity_unit(column.quantity), .value = value};
     }

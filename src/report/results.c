@@ -90,7 +90,7 @@ static struct text result_kind(const struct result_row *row)
 }
 
 /* Returns the result whose records have this kind, or NULL. */
-static const struct result_row *row_of(struct text kind)
+static const struct result_row *result_of_kind(struct text kind)
 {
     for (size_t i = 0; i < COUNT_OF(rows); i++)
         if (text_equal(kind, result_kind(&rows[i])))
@@ -99,7 +99,7 @@ static const struct result_row *row_of(struct text kind)
 }
 
 /* Stores the records that a result of the present state replies, so that they become its table. */
-static void say_now(struct session *session, const struct result_row *row)
+static void store_present_records(struct session *session, const struct result_row *row)
 {
     struct table_store said = {0};
     struct reply reply;
@@ -120,7 +120,7 @@ bool export_result(struct session *session, const struct row *result, struct exp
     if (row->table)
         return row->table(session, export, error);
     if (row->say)
-        say_now(session, row);
+        store_present_records(session, row);
     const struct stored_table *stored = table_store_find(&session->studies.found, result_kind(row));
     if (!stored) {
         error_set(error, ERROR_COMMAND, "there is no table of %s yet", result->name);
@@ -180,7 +180,7 @@ void reply_result(const struct session *session, struct reply *reply, const char
 static bool stored_table_keep(void *context, struct stored_table *stored)
 {
     struct session *session = context;
-    const struct result_row *row = row_of(text_of(stored->kind));
+    const struct result_row *row = result_of_kind(text_of(stored->kind));
     struct export export = {&stored->arena, stored->table};
     struct error ignored;
     if (!row || row->table || stored->table.rows == 0)
@@ -201,7 +201,7 @@ const struct row *session_keep_results(struct session *session, struct table_sto
 {
     const struct row *result = catalog_find(&result_catalog, text_of(command));
     for (int i = 0; i < said->count; i++) {
-        const struct result_row *row = row_of(text_of(said->table[i]->kind));
+        const struct result_row *row = result_of_kind(text_of(said->table[i]->kind));
         if (!row && result && said->count == 1) /* the only table gets the command's kind */
             said->table[i]->kind = result->name;
         if (row && (!result || !table_store_find(said, result_kind(result_at(result)))))

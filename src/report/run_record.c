@@ -89,7 +89,7 @@ static void put_state(struct reply *reply, const char *key, const void *row)
 }
 
 /* Writes the names of the variables without a reliable digit as an array. */
-static void put_below(struct reply *reply, const char *key, const void *row)
+static void put_unreliable_variables(struct reply *reply, const char *key, const void *row)
 {
     const struct run *run = ((const struct run_record *)row)->run;
     reply_array(reply, key);
@@ -114,7 +114,7 @@ static const struct result_column of_run[] = {
     {.name = "y", AT(y)},
     {.name = "v", AT(v)},
     {.name = "state", .record = put_state},
-    {.name = "below_tolerance", .record = put_below},
+    {.name = "below_tolerance", .record = put_unreliable_variables},
     {.name = "energy", AT(ledger.final), .quantity = QUANTITY_ENERGY},
     {.name = "kinetic", AT(kinetic), .defined = is_mechanical, .quantity = QUANTITY_ENERGY},
     {.name = "energy_error", AT(ledger.error_max)},

@@ -11,41 +11,41 @@
 /* ---- values of a row ---- */
 
 /* Returns row i of an array of the columns' structs. */
-static const void *row_at(const struct result_columns *columns, const void *rows, size_t i)
+static const void *nth_row(const struct result_columns *columns, const void *rows, size_t i)
 {
     return (const char *)rows + i * columns->size;
 }
 
 /* Returns the address of a column's value in a row, or in the struct that a pointer of the row
  * leads to. */
-static const void *member(const struct result_column *column, const void *row)
+static const void *column_address(const struct result_column *column, const void *row)
 {
     if (column->pointer_offset > 0)
         row = *(const void *const *)((const char *)row + column->pointer_offset - 1);
     return (const char *)row + column->offset;
 }
 
-static double real_of(const struct result_column *column, const void *row)
+static double column_real(const struct result_column *column, const void *row)
 {
-    return column->real ? column->real(row) : *(const double *)member(column, row);
+    return column->real ? column->real(row) : *(const double *)column_address(column, row);
 }
 
-static int64_t count_of(const struct result_column *column, const void *row)
+static int64_t column_integer(const struct result_column *column, const void *row)
 {
     if (column->kind == COLUMN_INT)
-        return *(const int *)member(column, row);
-    return column->number ? column->number(row) : *(const int64_t *)member(column, row);
+        return *(const int *)column_address(column, row);
+    return column->number ? column->number(row) : *(const int64_t *)column_address(column, row);
 }
 
-static bool bool_of(const struct result_column *column, const void *row)
+static bool column_bool(const struct result_column *column, const void *row)
 {
-    return *(const bool *)member(column, row);
+    return *(const bool *)column_address(column, row);
 }
 
 /* Returns the text of a column of names, choices or characters in a row, or NULL if it has none. */
-static const char *text_in(const struct result_column *column, const void *row)
+static const char *column_text(const struct result_column *column, const void *row)
 {
-    const void *value_address = member(column, row);
+    const void *value_address = column_address(column, row);
     switch (column->kind) {
     case COLUMN_NAME:
         return column->text ? column->text(row) : *(const char *const *)value_address;
@@ -62,7 +62,7 @@ static const char *text_in(const struct result_column *column, const void *row)
     }
 }
 
-static enum quantity quantity_in(const struct result_column *column, const void *row)
+static enum quantity value_quantity(const struct result_column *column, const void *row)
 {
     return column->quantity_of ? column->quantity_of(row) : column->quantity;
 }
@@ -70,14 +70,15 @@ static enum quantity quantity_in(const struct result_column *column, const void 
 /* ---- records ---- */
 
 /* Writes a list column as an array of objects. */
-static void put_parts(struct reply *reply, const struct result_column *column, const void *row)
+static void reply_list_column(struct reply *reply, const struct result_column *column,
+                              const void *row)
 {
     size_t count = 0;
     const void *parts = column->list(row, &count);
     reply_array(reply, column->name);
     for (size_t i = 0; i < count; i++) {
         reply_object(reply, NULL);
-        reply_columns(reply, column->part, row_at(column->part, parts, i));
+        reply_columns(reply, column->part, nth_row(column->part, parts, i));
         reply_close(reply);
     }
     reply_close(reply);
@@ -97,32 +98,33 @@ void reply_columns(struct reply *reply, const struct result_columns *columns, co
         }
         switch (c->kind) {
         case COLUMN_REAL:
-            reply_quantity(reply, c->name, real_of(c, row), quantity_unit(quantity_in(c, row)));
+            reply_quantity(reply, c->name, column_real(c, row),
+                           quantity_unit(value_quantity(c, row)));
             break;
         case COLUMN_INT:
         case COLUMN_COUNT:
-            reply_int(reply, c->name, count_of(c, row));
+            reply_int(reply, c->name, column_integer(c, row));
             break;
         case COLUMN_BOOL:
-            reply_bool(reply, c->name, bool_of(c, row));
+            reply_bool(reply, c->name, column_bool(c, row));
             break;
         case COLUMN_MEASURED:
-            reply_if_known(reply, c->name, *(const struct measured *)member(c, row),
-                           quantity_in(c, row));
+            reply_if_known(reply, c->name, *(const struct measured *)column_address(c, row),
+                           value_quantity(c, row));
             break;
         case COLUMN_NAME:
         case COLUMN_CHARS:
         case COLUMN_ROW:
         case COLUMN_CHOICE:
-            reply_string(reply, c->name, text_in(c, row));
+            reply_string(reply, c->name, column_text(c, row));
             break;
         case COLUMN_OBJECT:
             reply_object(reply, c->name);
-            reply_columns(reply, c->part, member(c, row));
+            reply_columns(reply, c->part, column_address(c, row));
             reply_close(reply);
             break;
         case COLUMN_LIST:
-            put_parts(reply, c, row);
+            reply_list_column(reply, c, row);
             break;
         }
     }
@@ -134,7 +136,7 @@ void reply_records(struct reply *reply, const char *kind, const struct result_co
 {
     for (size_t i = 0; i < count && (reply_wants_records(reply) || reply->store); i++) {
         reply_begin(reply, kind);
-        reply_columns(reply, columns, row_at(columns, rows, i));
+        reply_columns(reply, columns, nth_row(columns, rows, i));
         reply_end(reply);
     }
 }
@@ -153,22 +155,22 @@ static bool fill_values(const struct result_columns *columns, const struct resul
     if (!value && !text)
         return false;
     for (size_t i = 0; i < count; i++) {
-        const void *row = row_at(columns, rows, i);
+        const void *row = nth_row(columns, rows, i);
         if (value)
-            value[i] =
-                column->kind == COLUMN_REAL ? real_of(column, row) : (double)count_of(column, row);
+            value[i] = column->kind == COLUMN_REAL ? column_real(column, row)
+                                                   : (double)column_integer(column, row);
         else if (column->kind == COLUMN_BOOL)
-            text[i] = bool_of(column, row) ? "true" : "false";
+            text[i] = column_bool(column, row) ? "true" : "false";
         else if (column->kind != COLUMN_CHARS)
-            text[i] = text_in(column, row);
-        else if (!(text[i] = arena_text(arena, text_of(member(column, row)))))
+            text[i] = column_text(column, row);
+        else if (!(text[i] = arena_text(arena, text_of(column_address(column, row)))))
             return false;
         if (text && !text[i])
             text[i] = "";
     }
     table_column->name = column->name;
     table_column->unit =
-        column->kind == COLUMN_REAL && count > 0 ? quantity_unit(quantity_in(column, rows)) : "";
+        column->kind == COLUMN_REAL && count > 0 ? quantity_unit(value_quantity(column, rows)) : "";
     table_column->value = value;
     table_column->text = text;
     table_column->detail = column->flags & COLUMN_DETAIL;
@@ -212,14 +214,14 @@ static bool has_value(const struct result_column *column, const void *row)
         return column->any(row);
     switch (column->kind) {
     case COLUMN_REAL:
-        return isfinite(real_of(column, row));
+        return isfinite(column_real(column, row));
     case COLUMN_INT:
     case COLUMN_COUNT:
-        return count_of(column, row) != 0;
+        return column_integer(column, row) != 0;
     case COLUMN_BOOL:
-        return bool_of(column, row);
+        return column_bool(column, row);
     default:
-        return text_in(column, row) != NULL;
+        return column_text(column, row) != NULL;
     }
 }
 
@@ -231,7 +233,7 @@ static bool column_is_shown(const struct result_columns *columns,
 {
     bool any = !(column->flags & COLUMN_IF_ANY);
     for (size_t i = 0; i < count && !any; i++)
-        any = has_value(column, row_at(columns, rows, i));
+        any = has_value(column, nth_row(columns, rows, i));
     return any && (wide || !(column->flags & COLUMN_WIDE));
 }
 
@@ -242,16 +244,16 @@ static void column_cell_put(const struct result_column *column, const void *row,
     if (column->cell)
         column->cell(table, row);
     else if (column->kind == COLUMN_REAL && column->look)
-        column->look(table, real_of(column, row));
+        column->look(table, column_real(column, row));
     else if (column->kind == COLUMN_REAL)
-        cell_quantity(table, real_of(column, row), quantity_in(column, row),
+        cell_quantity(table, column_real(column, row), value_quantity(column, row),
                       column->digits ? column->digits : 3);
     else if (column->kind <= COLUMN_COUNT)
-        cell_count(table, count_of(column, row));
+        cell_count(table, column_integer(column, row));
     else if (column->kind == COLUMN_BOOL)
-        cell_text(table, bool_of(column, row) ? "yes" : "no");
+        cell_text(table, column_bool(column, row) ? "yes" : "no");
     else
-        cell_text(table, text_in(column, row));
+        cell_text(table, column_text(column, row));
 }
 
 /* Collects the columns that a table for people shows, ordered by their index (1 first; 0 is not
@@ -288,5 +290,5 @@ void columns_text(const struct result_columns *columns, const void *rows, size_t
         cell_text(table, shown[c]->head && count > 0 ? shown[c]->head(rows) : shown[c]->heading);
     for (size_t i = 0; i < count; i++)
         for (int c = 0; c < table->columns; c++)
-            column_cell_put(shown[c], row_at(columns, rows, i), table);
+            column_cell_put(shown[c], nth_row(columns, rows, i), table);
 }

@@ -35,7 +35,7 @@ void reply_line(struct reply *reply, const char *format, ...)
 
 /* Writes a message to the error stream, after the lines written before. A message that ran out of
  * memory is lost. */
-static void write_err(struct reply *reply, const struct buffer *text)
+static void write_message(struct reply *reply, const struct buffer *text)
 {
     reply_flush(reply);
     if (!text->failed)
@@ -50,7 +50,7 @@ void reply_note(struct reply *reply, const char *format, ...)
     put_safely(&line, format, args);
     va_end(args);
     buffer_char(&line, '\n');
-    write_err(reply, &line);
+    write_message(reply, &line);
     buffer_free(&line);
 }
 
@@ -83,7 +83,7 @@ void reply_warning(struct reply *reply, const char *format, ...)
     } else {
         buffer_format(&output, "warning: %s\n", buffer_view(&line));
         output.failed |= line.failed;
-        write_err(reply, &output);
+        write_message(reply, &output);
     }
     buffer_free(&line);
     buffer_free(&output);
@@ -118,7 +118,7 @@ static void put_visible(struct buffer *output, struct text text)
 }
 
 /* Returns the end of a text that is at most `width` columns wide. */
-static struct text clip_from(struct text text, size_t width)
+static struct text clip_start(struct text text, size_t width)
 {
     while ((size_t)text_width(text) > width && text.len > 0) {
         size_t used;
@@ -129,7 +129,7 @@ static struct text clip_from(struct text text, size_t width)
 }
 
 /* Returns the beginning of a text that is at most `width` columns wide. */
-static struct text clip_to(struct text text, size_t width)
+static struct text clip_end(struct text text, size_t width)
 {
     size_t len = 0, columns = 0;
     while (len < text.len) {
@@ -153,9 +153,9 @@ static void put_caret(struct buffer *output, struct text line, struct text where
     const struct text head_near = whole_head.len > context_bytes
                                       ? (struct text){where.data - context_bytes, context_bytes}
                                       : whole_head;
-    const struct text head = clip_from(head_near, SHOWN_WIDTH / 2);
+    const struct text head = clip_start(head_near, SHOWN_WIDTH / 2);
     const struct text tail = {where.data, line.len - whole_head.len};
-    const struct text shown = clip_to(
+    const struct text shown = clip_end(
         (struct text){tail.data, tail.len < context_bytes ? tail.len : context_bytes}, SHOWN_WIDTH);
     struct buffer visible_head = {0}, visible_mark = {0};
     put_visible(&visible_head, head);
@@ -178,8 +178,8 @@ static void put_caret(struct buffer *output, struct text line, struct text where
 }
 
 /* Writes an error as a JSON record to the error stream. */
-static void write_record(struct reply *reply, const struct error *error, const struct source *where,
-                         size_t column)
+static void write_error_record(struct reply *reply, const struct error *error,
+                               const struct source *where, size_t column)
 {
     struct reply record = message_record(reply);
     const bool is_placed = where && where->name;
@@ -198,8 +198,8 @@ static void write_record(struct reply *reply, const struct error *error, const s
 
 /* Appends an error for people: "FILE:LINE:COLUMN: error: TEXT", the line with a caret, the hint,
  * and the scripts that sourced the file. */
-static void put_text(struct buffer *output, const struct error *error, const struct source *where,
-                     struct text line, size_t column)
+static void put_error_text(struct buffer *output, const struct error *error,
+                           const struct source *where, struct text line, size_t column)
 {
     if (where && where->name) {
         safe_text(output, text_of(where->name), false);
@@ -230,8 +230,8 @@ static void put_text(struct buffer *output, const struct error *error, const str
 /* Narrows a statement that was joined from several lines of a file down to the line with the error:
  * sets *line to its text and *where to `own`, a copy with its number. Returns the column, or 0 if
  * it is unknown. */
-static size_t error_line_index(const struct error *error, const struct source **where,
-                               struct source *own, struct text *line)
+static size_t find_error_line(const struct error *error, const struct source **where,
+                              struct source *own, struct text *line)
 {
     size_t column = place_column(*line, error->where);
     if (column == 0 || !*where || (*where)->pieces == 0)
@@ -254,15 +254,15 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
 {
     struct buffer output = {0};
     struct source own;
-    const size_t column = error_line_index(error, &where, &own, &line);
+    const size_t column = find_error_line(error, &where, &own, &line);
     reply_flush(reply);
     if (reply->error)
         reply->error(reply->sink.context, error, where, column);
     if (reply->format == FORMAT_JSON) {
-        write_record(reply, error, where, column);
+        write_error_record(reply, error, where, column);
         return;
     }
-    put_text(&output, error, where, line, column);
+    put_error_text(&output, error, where, line, column);
     reply->sink.err(reply->sink.context,
                     output.failed ? TEXT("error: out of memory\n") : buffer_text(&output));
     buffer_free(&output);

@@ -79,7 +79,7 @@ void reply_paragraph(struct reply *reply, struct text text, int width)
 }
 
 /* Begins another table in CSV: after a separator, or in a file of its own. */
-static void begin_part(struct reply *reply, const char *kind)
+static void begin_csv_table(struct reply *reply, const char *kind)
 {
     struct buffer separator = {0};
     if (reply->part) {
@@ -98,7 +98,7 @@ void reply_data(struct reply *reply, const char *kind, struct text text)
     reply->recorded = true; /* not written again at the command's end */
     if (reply->format == FORMAT_CSV) {
         buffer_clear(&reply->last_header);
-        begin_part(reply, kind);
+        begin_csv_table(reply, kind);
     }
     write_out(reply, text);
 }
@@ -107,7 +107,7 @@ void reply_data(struct reply *reply, const char *kind, struct text text)
 
 /* Writes the keys of the open levels and the field's own: "fit.halves.gamma". Arrays share one
  * cell. */
-static void put_path(struct reply *reply, const char *key)
+static void put_csv_heading(struct reply *reply, const char *key)
 {
     if (reply->header.len > 0)
         buffer_char(&reply->header, ',');
@@ -118,7 +118,7 @@ static void put_path(struct reply *reply, const char *key)
 }
 
 /* Appends the field's column in a stored table: "halves.gamma.1", "parameters.k.value". */
-static void put_column(struct reply *reply, const char *key, struct buffer *name)
+static void put_store_column(struct reply *reply, const char *key, struct buffer *name)
 {
     for (int i = 1; i <= reply->depth; i++) {
         const bool last = i == reply->depth, array = reply->level[i - 1].array;
@@ -139,7 +139,7 @@ static void record_value_append(struct reply *reply, const char *key, const doub
     if (!reply->store || !reply->store->row)
         return;
     struct buffer name = {0};
-    put_column(reply, key, &name);
+    put_store_column(reply, key, &name);
     if (!name.failed && value)
         store_cell_real(reply->store, buffer_view(&name), unit, *value);
     else if (!name.failed && text)
@@ -175,7 +175,7 @@ static void put_csv_text(struct buffer *row, const char *text)
 }
 
 /* Adds a cell to the CSV row; inside arrays the values of all elements share the array's cell. */
-static void put_cell(struct reply *reply, const char *key, struct text value, bool is_text)
+static void put_csv_cell(struct reply *reply, const char *key, struct text value, bool is_text)
 {
     struct buffer *row = &reply->row;
     if (reply->format != FORMAT_CSV)
@@ -193,7 +193,7 @@ static void put_cell(struct reply *reply, const char *key, struct text value, bo
     }
     if (reply->header.len > 0)
         buffer_char(row, ',');
-    put_path(reply, key);
+    put_csv_heading(reply, key);
     if (is_text)
         put_csv_text(row, value.data);
     else
@@ -221,7 +221,7 @@ static void put_literal(struct reply *reply, const char *key, struct text json, 
     put_key(reply, key);
     if (reply->format == FORMAT_JSON)
         buffer_put(&reply->json, json);
-    put_cell(reply, key, cell, false);
+    put_csv_cell(reply, key, cell, false);
 }
 
 /* Opens an object or an array in the record. */
@@ -232,7 +232,7 @@ static void open_level(struct reply *reply, const char *key, bool array)
     if (reply->format == FORMAT_CSV && array && !inside_array(reply)) {
         if (reply->header.len > 0)
             buffer_char(&reply->row, ',');
-        put_path(reply, key);
+        put_csv_heading(reply, key);
     }
     if (reply->depth < REPLY_DEPTH) {
         reply->level[reply->depth].key = key;
@@ -268,7 +268,7 @@ bool reply_wants_text(const struct reply *reply)
 }
 
 /* Returns true for the `name` that an object in an array begins with; it names its columns. */
-static bool names_object(struct reply *reply, const char *key, const char *value)
+static bool takes_object_name(struct reply *reply, const char *key, const char *value)
 {
     const int d = reply->depth - 1;
     if (d < 1 || !reply->level[d - 1].array || !reply->level[d].empty || strcmp(key, "name") != 0)
@@ -283,13 +283,13 @@ void reply_string(struct reply *reply, const char *key, const char *value)
         reply_null(reply, key);
         return;
     }
-    const bool names = names_object(reply, key, value);
+    const bool names = takes_object_name(reply, key, value);
     put_key(reply, key);
     if (!names)
         record_value_append(reply, key, NULL, "", value);
     if (reply->format == FORMAT_JSON)
         buffer_json_text(&reply->json, text_of(value));
-    put_cell(reply, key, text_of(value), true);
+    put_csv_cell(reply, key, text_of(value), true);
 }
 
 void reply_quantity(struct reply *reply, const char *key, double value, const char *unit)
@@ -402,7 +402,7 @@ void reply_end(struct reply *reply)
         if (!text_equal(buffer_text(&reply->header), buffer_text(&reply->last_header))) {
             buffer_clear(&reply->last_header);
             buffer_put(&reply->last_header, buffer_text(&reply->header));
-            begin_part(reply, reply->kind);
+            begin_csv_table(reply, reply->kind);
             flush_out(reply, &reply->header);
         }
         flush_out(reply, &reply->row);

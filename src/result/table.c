@@ -46,7 +46,7 @@ void buffer_cell(struct buffer *output, struct text cell, char separator, bool q
 
 /* Appends a text cell. Texts that look like numbers are quoted, so that they are read back as
  * texts; formulas get an apostrophe in front, so that no spreadsheet runs them. */
-static void put_text(struct buffer *output, struct text cell, char separator)
+static void put_text_cell(struct buffer *output, struct text cell, char separator)
 {
     struct buffer guarded = {0};
     double number;
@@ -62,7 +62,8 @@ static void put_text(struct buffer *output, struct text cell, char separator)
 }
 
 /* Appends the heading of a column, "NAME [UNIT]". */
-static void put_name(struct buffer *output, const struct table_column *column, char separator)
+static void put_column_heading(struct buffer *output, const struct table_column *column,
+                               char separator)
 {
     struct buffer name = {0};
     safe_text(&name, text_of(column->name), false);
@@ -71,7 +72,7 @@ static void put_name(struct buffer *output, const struct table_column *column, c
         safe_text(&name, text_of(column->unit), false);
         buffer_char(&name, ']');
     }
-    put_text(output, buffer_text(&name), separator);
+    put_text_cell(output, buffer_text(&name), separator);
     output->failed |= name.failed;
     buffer_free(&name);
 }
@@ -91,7 +92,7 @@ static void put_separated(const struct table *table, char separator, struct outl
     for (int i = 0; i < table->columns; i++) {
         if (i > 0)
             buffer_char(output, separator);
-        put_name(output, &table->column[i], separator);
+        put_column_heading(output, &table->column[i], separator);
     }
     buffer_char(output, '\n');
     for (size_t row = 0; row < table->rows && outlet_goes_on(sink, table, row); row++) {
@@ -100,7 +101,7 @@ static void put_separated(const struct table *table, char separator, struct outl
             if (i > 0)
                 buffer_char(output, separator);
             if (!column->value)
-                put_text(output, text_of(column->text[row]), separator);
+                put_text_cell(output, text_of(column->text[row]), separator);
             else if (!isnan(column->value[row]))
                 buffer_real(output, column->value[row]);
         }

@@ -29,7 +29,7 @@ struct table_reading {
 };
 
 /* Sets the error that the file is damaged and how. Returns false. */
-static bool damaged(struct table_reading *r, const char *what)
+static bool report_damage(struct table_reading *r, const char *what)
 {
     return error_set(r->error, ERROR_IO, "not a table written by export: %s", what);
 }
@@ -43,7 +43,7 @@ static bool row_continues(struct table_reading *r, size_t row)
 
 /* Returns the array with room for one more element: a copy of twice the size whenever its count is
  * a power of two from `least` on. Returns NULL if out of memory. */
-static void *grown(struct arena *arena, void *array, size_t count, size_t size, size_t least)
+static void *grow_array(struct arena *arena, void *array, size_t count, size_t size, size_t least)
 {
     if (count > 0 && (count < least || (count & (count - 1))))
         return array;
@@ -105,7 +105,7 @@ static bool read_cell(struct table_reading *r, char separator, struct parsed_cel
     cell->text =
         own && cell->quoted && cell_is_formula(text_of(own)) && own[0] == '\'' ? own + 1 : own;
     buffer_free(&text);
-    return ok ? cell->text != NULL : damaged(r, "a quotation mark is not closed");
+    return ok ? cell->text != NULL : report_damage(r, "a quotation mark is not closed");
 }
 
 /* Reads the lines "# KEY = VALUE" at the beginning. Returns false with an error if one is
@@ -118,9 +118,9 @@ static bool read_keys(struct table_reading *r, struct table *table)
         const char *sign = NULL;
         for (size_t i = 2; i + 3 <= line.len && !sign; i++)
             sign = memcmp(line.data + i, " = ", 3) == 0 ? line.data + i : NULL;
-        key = grown(r->arena, key, (size_t)table->keys, sizeof *key, 16);
+        key = grow_array(r->arena, key, (size_t)table->keys, sizeof *key, 16);
         if (!sign || !key)
-            return key ? damaged(r, "a line that begins with # has no ' = '")
+            return key ? report_damage(r, "a line that begins with # has no ' = '")
                        : error_memory(r->error);
         const size_t name = (size_t)(sign - line.data);
         key[table->keys] =
@@ -135,7 +135,7 @@ static bool read_keys(struct table_reading *r, struct table *table)
 }
 
 /* Splits a heading such as "dt [s]" into the name and the unit of a column. */
-static bool name_column(struct table_reading *r, const char *heading, struct table_column *column)
+static bool split_heading(struct table_reading *r, const char *heading, struct table_column *column)
 {
     const struct text all = text_of(heading);
     const char *open = NULL;
@@ -192,11 +192,11 @@ static bool read_separated(struct table_reading *r, struct table *table)
     const char separator =
         line && memchr(r->rest.data, '\t', (size_t)(line - r->rest.data)) ? '\t' : ',';
     for (bool last = false; !last; table->columns++) {
-        column = grown(r->arena, column, (size_t)table->columns, sizeof *column, 16);
+        column = grow_array(r->arena, column, (size_t)table->columns, sizeof *column, 16);
         if (!column)
             return error_memory(r->error);
         if (!read_cell(r, separator, &one, &last) ||
-            !name_column(r, one.text, &column[table->columns]))
+            !split_heading(r, one.text, &column[table->columns]))
             return false;
     }
     while (r->rest.len > 0) {
@@ -205,15 +205,15 @@ static bool read_separated(struct table_reading *r, struct table *table)
             return false;
         for (int c = 0; c < table->columns; c++) {
             if (last)
-                return damaged(r, "rows differ in length");
-            cell = grown(r->arena, cell, cells, sizeof *cell, 64);
+                return report_damage(r, "rows differ in length");
+            cell = grow_array(r->arena, cell, cells, sizeof *cell, 64);
             if (!cell)
                 return error_memory(r->error);
             if (!read_cell(r, separator, &cell[cells++], &last))
                 return false;
         }
         if (!last)
-            return damaged(r, "rows differ in length");
+            return report_damage(r, "rows differ in length");
         table->rows++;
     }
     for (int c = 0; c < table->columns; c++)
@@ -294,7 +294,7 @@ static const char *read_string(struct table_reading *r)
     ok = ok && table_text_take(r, "\"");
     const char *made = ok ? buffer_text_copy(r, &text) : NULL;
     if (!ok)
-        damaged(r, "a text has no closing quotation mark");
+        report_damage(r, "a text has no closing quotation mark");
     buffer_free(&text);
     return made;
 }
@@ -304,18 +304,18 @@ static bool read_json_keys(struct table_reading *r, struct table *table)
 {
     struct table_key *key = NULL;
     for (bool more = !table_text_take(r, "}"); more; more = table_text_take(r, ",")) {
-        key = grown(r->arena, key, (size_t)table->keys, sizeof *key, 16);
+        key = grow_array(r->arena, key, (size_t)table->keys, sizeof *key, 16);
         if (!key)
             return error_memory(r->error);
         key[table->keys].key = read_string(r);
         if (!key[table->keys].key || !table_text_take(r, ":") ||
             !(key[table->keys].value = read_string(r)))
-            return damaged(r, "a key has no text");
+            return report_damage(r, "a key has no text");
         table->keys++;
     }
     table->key = key;
     return table->keys == 0 || table_text_take(r, "}") ||
-           damaged(r, "the list of keys is not closed");
+           report_damage(r, "the list of keys is not closed");
 }
 
 /* Reads the array of a column's values, behind its opening bracket: numbers and null, or texts.
@@ -333,21 +333,21 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
         if (!row_continues(r, *rows))
             return false;
         if (r->rest.len > 0 && r->rest.data[0] == '"') {
-            text = grown(r->arena, text, *rows, sizeof *text, 16);
+            text = grow_array(r->arena, text, *rows, sizeof *text, 16);
             if (!text || value)
-                return text ? damaged(r, "a column mixes numbers and texts")
+                return text ? report_damage(r, "a column mixes numbers and texts")
                             : error_memory(r->error);
             if (!(text[*rows] = read_string(r)))
                 return false;
         } else {
-            value = grown(r->arena, value, *rows, sizeof *value, 16);
+            value = grow_array(r->arena, value, *rows, sizeof *value, 16);
             if (!value || text)
-                return value ? damaged(r, "a column mixes texts and numbers")
+                return value ? report_damage(r, "a column mixes texts and numbers")
                              : error_memory(r->error);
             value[*rows] = NAN;
             if (!table_text_take(r, "null") &&
                 !is_number_status(real_scan(r->rest, '.', &value[*rows], &used)))
-                return damaged(r, "a value is not a number");
+                return report_damage(r, "a value is not a number");
             r->rest = text_after(r->rest, used);
         }
         ++*rows;
@@ -357,7 +357,8 @@ static bool read_values(struct table_reading *r, struct table_column *column, si
         value = arena_array(r->arena, 1, sizeof *value);
     column->value = value;
     column->text = text;
-    return *rows == 0 || table_text_take(r, "]") || damaged(r, "the list of values is not closed");
+    return *rows == 0 || table_text_take(r, "]") ||
+           report_damage(r, "the list of values is not closed");
 }
 
 /* Reads a table in JSON, in exactly the form that table_json() writes. */
@@ -366,10 +367,10 @@ static bool read_json(struct table_reading *r, struct table *table)
     struct table_column *column = NULL;
     table_text_take(r, FIRST_JSON);
     if (!read_json_keys(r, table) || !table_text_take(r, ",\"columns\":["))
-        return damaged(r, "the columns are missing");
+        return report_damage(r, "the columns are missing");
     do {
         size_t rows;
-        column = grown(r->arena, column, (size_t)table->columns, sizeof *column, 16);
+        column = grow_array(r->arena, column, (size_t)table->columns, sizeof *column, 16);
         if (!column)
             return error_memory(r->error);
         struct table_column *one = &column[table->columns++];
@@ -377,18 +378,18 @@ static bool read_json(struct table_reading *r, struct table *table)
         if (!table_text_take(r, "{\"name\":") || !(one->name = read_string(r)) ||
             !table_text_take(r, ",\"unit\":") || !(one->unit = read_string(r)) ||
             !table_text_take(r, ",\"values\":["))
-            return damaged(r, "a column has no name, unit or values");
+            return report_damage(r, "a column has no name, unit or values");
         if (!read_values(r, one, &rows))
             return false;
         if (!table_text_take(r, "}"))
-            return damaged(r, "a column is not closed");
+            return report_damage(r, "a column is not closed");
         if (table->columns > 1 && rows != table->rows)
-            return damaged(r, "columns differ in length");
+            return report_damage(r, "columns differ in length");
         table->rows = rows;
     } while (table_text_take(r, ","));
     table->column = column;
     return table_text_take(r, "]}") || table_text_take(r, "]") ||
-           damaged(r, "the list of columns is not closed");
+           report_damage(r, "the list of columns is not closed");
 }
 
 /* Reads a table in either form. Returns false with an error if it is damaged or reading was

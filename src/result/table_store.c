@@ -34,7 +34,7 @@ struct stored_table *table_store_find(const struct table_store *store, struct te
 }
 
 /* Frees a stored table with its memory. */
-static void destroy(struct stored_table *stored)
+static void stored_table_destroy(struct stored_table *stored)
 {
     arena_reset(&stored->arena);
     free(stored);
@@ -43,7 +43,7 @@ static void destroy(struct stored_table *stored)
 void table_store_free(struct table_store *store)
 {
     for (int i = 0; i < store->count; i++)
-        destroy(store->table[i]);
+        stored_table_destroy(store->table[i]);
     free(store->table);
     *store = (struct table_store){0};
 }
@@ -55,7 +55,7 @@ static bool stored_table_add(struct table_store *store, struct stored_table *sto
     struct stored_table *previous = table_store_find(store, text_of(stored->kind));
     for (int i = 0; i < store->count && previous; i++)
         if (store->table[i] == previous) {
-            destroy(previous);
+            stored_table_destroy(previous);
             store->table[i] = stored;
             return true;
         }
@@ -107,7 +107,7 @@ void store_row_begin(struct table_store *store, const char *kind)
 
 /* Doubles the number of rows for which columns have memory; new cells are empty. Returns false if
  * out of memory. */
-static bool grow_rows(struct arena *arena, struct column_growth *stored)
+static bool columns_grow_rows(struct arena *arena, struct column_growth *stored)
 {
     const size_t capacity = stored->capacity ? 2 * stored->capacity : 4;
     for (int c = 0; c < stored->columns; c++) {
@@ -130,8 +130,8 @@ static bool grow_rows(struct arena *arena, struct column_growth *stored)
 }
 
 /* Returns the column of this name, which is added if it is new, or NULL if out of memory. */
-static struct cells *stored_column(struct arena *arena, struct column_growth *growth,
-                                   const char *name, const char *unit)
+static struct cells *find_or_add_column(struct arena *arena, struct column_growth *growth,
+                                        const char *name, const char *unit)
 {
     for (int i = 0; i < growth->columns; i++) {
         const int c = (growth->next + i) % growth->columns;
@@ -160,28 +160,28 @@ static struct cells *stored_column(struct arena *arena, struct column_growth *gr
 
 /* Returns the cell's column, with room for the present row, or NULL if nothing is collected or if
  * out of memory. */
-static struct cells *cell_of(struct table_store *store, const char *name, const char *unit)
+static struct cells *growing_column(struct table_store *store, const char *name, const char *unit)
 {
     struct column_growth *growth = store->row ? store->row->growth : NULL;
     struct arena *arena = store->row ? &store->row->arena : NULL;
     if (!growth || growth->failed)
         return NULL;
-    if (growth->rows >= growth->capacity && !grow_rows(arena, growth))
+    if (growth->rows >= growth->capacity && !columns_grow_rows(arena, growth))
         growth->failed = true;
-    struct cells *cells = growth->failed ? NULL : stored_column(arena, growth, name, unit);
+    struct cells *cells = growth->failed ? NULL : find_or_add_column(arena, growth, name, unit);
     growth->failed |= !cells;
     return cells;
 }
 
 void store_cell_none(struct table_store *store, const char *name)
 {
-    cell_of(store, name, "");
+    growing_column(store, name, "");
 }
 
 /* Sets the cell of the current row in column `name`; its first number fixes a column's unit. */
 void store_cell_real(struct table_store *store, const char *name, const char *unit, double value)
 {
-    struct cells *cells = cell_of(store, name, unit);
+    struct cells *cells = growing_column(store, name, unit);
     if (!cells)
         return;
     struct arena *arena = &store->row->arena;
@@ -207,7 +207,7 @@ void store_cell_real(struct table_store *store, const char *name, const char *un
 /* Sets the cell of the current row in column `name`; ignored in a column of numbers. */
 void store_cell_text(struct table_store *store, const char *name, const char *text)
 {
-    struct cells *cells = cell_of(store, name, "");
+    struct cells *cells = growing_column(store, name, "");
     if (!cells || cells->value)
         return;
     struct arena *arena = &store->row->arena;
@@ -265,7 +265,7 @@ void table_store_take(struct table_store *store, struct table_store *source,
     for (int i = 0; i < source->count; i++)
         if (!stored_table_finish(source->table[i]) || !wanted(context, source->table[i]) ||
             !stored_table_add(store, source->table[i]))
-            destroy(source->table[i]);
+            stored_table_destroy(source->table[i]);
     source->count = 0;
     table_store_free(source);
 }

@@ -157,7 +157,8 @@ static void drop_columns(const struct text_table *table, int *width, struct buff
 }
 
 /* Appends a sentence below the table, folded to its width, and frees it. */
-static void put_told(const struct text_table *table, struct buffer *told, struct buffer *output)
+static void put_sentence_below(const struct text_table *table, struct buffer *told,
+                               struct buffer *output)
 {
     struct buffer folded = {0};
     buffer_folded(&folded, buffer_text(told), table->max);
@@ -205,6 +206,6 @@ void text_table_put(const struct text_table *table, struct buffer *output)
         if (last)
             buffer_char(output, '\n');
     }
-    put_told(table, &folded, output);
-    put_told(table, &dropped, output);
+    put_sentence_below(table, &folded, output);
+    put_sentence_below(table, &dropped, output);
 }

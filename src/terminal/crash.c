@@ -151,7 +151,7 @@ void crash_last_act(void (*act)(void))
 }
 
 /* Returns the memory, or ends the program with status 1 after the last act if it is NULL. */
-static void *checked(void *memory)
+static void *memory_or_end(void *memory)
 {
     if (memory) {
         return memory;
@@ -172,10 +172,10 @@ static void *checked(void *memory)
 
 void *xmalloc(size_t size)
 {
-    return checked(malloc(size ? size : 1));
+    return memory_or_end(malloc(size ? size : 1));
 }
 
 void *xrealloc(void *old, size_t size)
 {
-    return checked(realloc(old, size ? size : 1));
+    return memory_or_end(realloc(old, size ? size : 1));
 }

@@ -36,14 +36,14 @@ static void await_turn(sem_t *turn)
 }
 
 /* Gives the turn to readline until it wants a key or has a line. */
-static void let_it_go_on(void)
+static void give_turn_to_readline(void)
 {
     sem_post(&editor.its_turn);
     await_turn(&editor.our_turn);
 }
 
 /* Gives the turn to the panes, in readline's thread, and waits for the next. */
-static void wait_for_us(bool has_line)
+static void give_turn_to_panes(bool has_line)
 {
     editor.has_line = has_line;
     sem_post(&editor.our_turn);
@@ -52,11 +52,11 @@ static void wait_for_us(bool has_line)
 
 /* Readline's source of keys: waits until edit_key() has one. Discards the line if edit_clear() asks
  * for it. */
-static int get_key(FILE *ignored)
+static int editor_get_key(FILE *ignored)
 {
     (void)ignored;
     line_mend();
-    wait_for_us(false);
+    give_turn_to_panes(false);
     if (editor.gives_up) {
         editor.gives_up = false;
         line_drop();
@@ -73,7 +73,7 @@ static void *editor_thread_run(void *ignored)
     while (!editor.ends) {
         editor.line = readline(PANES_PROMPT);
         line_over();
-        wait_for_us(true);
+        give_turn_to_panes(true);
     }
     sigaltstack(&previous_stack, NULL);
     return ignored;
@@ -111,7 +111,7 @@ void panes_enqueue(struct panes *panes, struct text line, enum line_from origin)
 
 /* Handles a line that readline has ended (NULL for Ctrl-D): enqueues it, adds it to the history, or
  * takes the suggestion if it is empty. Frees it. */
-static void on_line(struct panes *panes, char *typed)
+static void handle_line(struct panes *panes, char *typed)
 {
     panes->echo_stale = true;
     if (typed && !panes->running && !panes_session(panes)->view.reading) {
@@ -139,8 +139,8 @@ bool edit_take_line(struct panes *panes)
 {
     const bool any = editor.has_line;
     while (editor.has_line && !panes->line_waits && !panes_over(panes)) {
-        on_line(panes, editor.line);
-        let_it_go_on();
+        handle_line(panes, editor.line);
+        give_turn_to_readline();
     }
     return any;
 }
@@ -149,7 +149,7 @@ bool edit_take_line(struct panes *panes)
 void edit_key(struct panes *panes, unsigned char byte)
 {
     editor.key = byte;
-    let_it_go_on();
+    give_turn_to_readline();
     edit_take_line(panes);
 }
 
@@ -221,10 +221,10 @@ void edit_paste(struct panes *panes, struct text paste)
 /* Discards the line, with the remaining lines of a macro and every state of readline. */
 void edit_clear(struct panes *panes)
 {
-    for (; editor.has_line; let_it_go_on()) /* remaining lines of a macro */
+    for (; editor.has_line; give_turn_to_readline()) /* remaining lines of a macro */
         free(editor.line);
     editor.gives_up = true;
-    let_it_go_on();
+    give_turn_to_readline();
     keys_choose(panes_session(panes));
     panes->echo_stale = true;
 }
@@ -262,7 +262,7 @@ void edit_put_aside(struct panes *panes)
 bool edit_begin(FILE *nowhere)
 {
     rl_outstream = nowhere;
-    rl_getc_function = get_key;
+    rl_getc_function = editor_get_key;
     rl_input_available_hook = is_pending;
     rl_redisplay_function = redisplay;
     rl_prep_term_function = enter_modes;
@@ -284,7 +284,7 @@ void edit_end(void)
     editor.gives_up = !editor.has_line;
     editor.key = EOF;
     while (!editor.has_line)
-        let_it_go_on();
+        give_turn_to_readline();
     free(editor.line);
     sem_post(&editor.its_turn);
     pthread_join(editor.thread, NULL);

@@ -122,7 +122,7 @@ void rc_run(struct session *session, struct reply *reply)
 
 /* Returns the number of bytes of the statements at the beginning of a line that fit into `room`
  * cells. A quoted semicolon does not end a statement. */
-static size_t whole_statements(struct text line, int room)
+static size_t fitting_statements(struct text line, int room)
 {
     size_t fits = 0;
     char quote = 0;
@@ -175,9 +175,9 @@ void offer_next(struct front_program *program, bool typed_ahead)
     const int label = text_width(TEXT(OFFER_LABEL));
     const int width = session->front.width ? session->front.width : 80;
     const int room = typed_ahead ? 0 : width;
-    size_t fits = whole_statements(buffer_text(offer), room - label);
+    size_t fits = fitting_statements(buffer_text(offer), room - label);
     if (fits == 0) /* a first statement longer than a line may take two */
-        fits = whole_statements(buffer_text(offer), 2 * room - label);
+        fits = fitting_statements(buffer_text(offer), 2 * room - label);
     if (fits > 0 && fits < offer->len) {
         const struct text whole = buffer_text(offer);
         buffer_put(later, text_trim(text_after(whole, fits + 1)));

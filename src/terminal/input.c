@@ -38,7 +38,7 @@ void input_read(struct input *input, bool gone)
 }
 
 /* Returns the bytes that wait, without copying. */
-static struct text waiting(const struct input *input)
+static struct text waiting_bytes(const struct input *input)
 {
     return input->bytes.data
                ? (struct text){input->bytes.data + input->head, input->bytes.len - input->head}
@@ -47,7 +47,7 @@ static struct text waiting(const struct input *input)
 
 /* Returns true if the text begins with the sequence. Sets *partly if it ends within it, so that the
  * rest may still come. */
-static bool begins(struct text text, struct text sequence, bool *partly)
+static bool begins_with_sequence(struct text text, struct text sequence, bool *partly)
 {
     const size_t len = text.len < sequence.len ? text.len : sequence.len;
     const bool same = memcmp(text.data, sequence.data, len) == 0;
@@ -60,16 +60,16 @@ static bool begins(struct text text, struct text sequence, bool *partly)
 enum input_item input_next(struct input *input, int64_t now, unsigned char *byte,
                            struct text *paste)
 {
-    const struct text text = waiting(input);
+    const struct text text = waiting_bytes(input);
     bool partly = false;
     if (text.len == 0) {
         return INPUT_NONE;
     }
-    if (begins(text, TEXT(REPLY_TEXT), &partly)) {
+    if (begins_with_sequence(text, TEXT(REPLY_TEXT), &partly)) {
         input->head += sizeof REPLY_TEXT - 1;
         return INPUT_REPLY;
     }
-    if (begins(text, TEXT(PASTE_BEGIN), &partly)) {
+    if (begins_with_sequence(text, TEXT(PASTE_BEGIN), &partly)) {
         const struct text inside = {text.data + sizeof PASTE_BEGIN - 1,
                                     text.len - (sizeof PASTE_BEGIN - 1)};
         const char *end = memmem(inside.data, inside.len, PASTE_END, sizeof PASTE_END - 1);
@@ -93,9 +93,9 @@ enum input_item input_next(struct input *input, int64_t now, unsigned char *byte
  */
 int64_t input_due(const struct input *input)
 {
-    const struct text text = waiting(input);
+    const struct text text = waiting_bytes(input);
     bool partly = false;
-    return text.len == 0 || begins(text, TEXT(PASTE_BEGIN), &partly) ||
+    return text.len == 0 || begins_with_sequence(text, TEXT(PASTE_BEGIN), &partly) ||
                    clock_ns() - input->arrived >= HELD_NS
                ? INT64_MAX
                : input->arrived + HELD_NS;
@@ -104,16 +104,16 @@ int64_t input_due(const struct input *input)
 /* Returns true if a key waits, not only a reply or a paste. */
 bool input_pending(const struct input *input)
 {
-    const struct text text = waiting(input);
+    const struct text text = waiting_bytes(input);
     bool partly = false;
-    return text.len > 0 && !begins(text, TEXT(REPLY_TEXT), &partly) &&
-           !begins(text, TEXT(PASTE_BEGIN), &partly) && !partly;
+    return text.len > 0 && !begins_with_sequence(text, TEXT(REPLY_TEXT), &partly) &&
+           !begins_with_sequence(text, TEXT(PASTE_BEGIN), &partly) && !partly;
 }
 
 /* Removes the terminal's reply from the waiting bytes. Returns false if it is not there. */
 bool input_strip_reply(struct input *input)
 {
-    const struct text text = waiting(input);
+    const struct text text = waiting_bytes(input);
     char *reply = text.len ? memmem(input->bytes.data + input->head, text.len, REPLY_TEXT,
                                     sizeof REPLY_TEXT - 1)
                            : NULL;

@@ -313,7 +313,7 @@ static int on_character(int count, int last)
 
 /* Returns sequence i of a key: one of its own, or at last that of terminfo; NULL if there is none.
  */
-static const char *sequence(const struct key *key, size_t i)
+static const char *key_sequence(const struct key *key, size_t i)
 {
     if (i < COUNT_OF(key->keys)) {
         return key->keys[i];
@@ -331,7 +331,7 @@ static const struct key *find_key(const struct key *rows, size_t count, size_t *
     const size_t typed = strlen(rl_executing_keyseq);
     for (size_t r = 0; r < count; r++) {
         for (size_t i = 0; i <= COUNT_OF(rows[r].keys); i++) {
-            const char *key = sequence(&rows[r], i);
+            const char *key = key_sequence(&rows[r], i);
             const size_t len = key ? strlen(key) : 0;
             if (len > *longest && len <= typed &&
                 memcmp(rl_executing_keyseq + typed - len, key, len) == 0) {
@@ -401,7 +401,7 @@ static void keymap_bind(const struct key *rows, size_t count, Keymap map)
 {
     for (size_t r = 0; r < count; r++) {
         for (size_t i = 0; i <= COUNT_OF(rows[r].keys); i++) {
-            const char *typed = sequence(&rows[r], i);
+            const char *typed = key_sequence(&rows[r], i);
             if (typed) {
                 rl_bind_keyseq_in_map(typed, on_key, map);
             }

@@ -85,7 +85,7 @@ static char **candidates_finish(struct candidates *all)
 #define WORD_BREAKS " \t\n;=,"
 
 /* Ignores a candidate, where only the beginning of the word is wanted. */
-static void ignore(void *context, const char *candidate, const char *brief)
+static void ignore_candidate(void *context, const char *candidate, const char *brief)
 {
     (void)context;
     (void)candidate;
@@ -99,7 +99,8 @@ static char *word_breaks(void)
     static char breaks[] = WORD_BREAKS " ";
     size_t start = 0;
     const struct text line = {rl_line_buffer, (size_t)rl_end};
-    const char *file = command_complete(completing, line, (size_t)rl_point, &start, ignore, NULL);
+    const char *file =
+        command_complete(completing, line, (size_t)rl_point, &start, ignore_candidate, NULL);
     breaks[sizeof breaks - 2] = !file && start > 0 ? rl_line_buffer[start - 1] : ' ';
     return breaks;
 }
@@ -297,7 +298,7 @@ void line_redisplay(void)
 }
 
 /* Returns true if the line has characters without a width (combining marks) or invalid bytes. */
-static bool has_marks(void)
+static bool has_zero_width_characters(void)
 {
     wchar_t c;
     for (int i = 0, used; i < rl_end; i += used) {
@@ -314,7 +315,7 @@ static bool has_marks(void)
  * line ends in characters without a width, so words are moved by other functions then. */
 static int go_to_word_end(int count, int key)
 {
-    if (has_marks())
+    if (has_zero_width_characters())
         return strchr("wWeE", key) ? rl_forward_word(count, key) : rl_ding();
     if (key == 'w' || key == 'W')
         return rl_vi_next_word(count, key);

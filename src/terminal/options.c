@@ -65,7 +65,7 @@ static const struct option_row {
 };
 
 /* Returns true if this build has the option: --resume needs the module that keeps sessions. */
-static bool is_in(const struct option_row *row)
+static bool option_is_in_build(const struct option_row *row)
 {
     return row->value != VALUE_RESUME || session_keeper();
 }
@@ -95,7 +95,7 @@ void options_help(struct buffer *text)
                   "A laboratory for oscillators and the methods that integrate them.\n"
                   "Without files and commands: a prompt, or commands from standard input.\n\n");
     for (size_t i = 0; i < COUNT_OF(rows); i++)
-        if (is_in(&rows[i]))
+        if (option_is_in_build(&rows[i]))
             put_option(rows[i].letter, rows[i].name, rows[i].shown, rows[i].brief, text);
     for (size_t i = 0; module_list[i]; i++)
         put_module_option(&module_list[i]->option, text);
@@ -118,7 +118,7 @@ static bool complain(const char *what, const char *word)
 }
 
 /* Reads WIDTHxHEIGHT into the options. Returns false after a message if it is malformed. */
-static bool take_size(struct options *options, const char *value)
+static bool read_size_option(struct options *options, const char *value)
 {
     double width;
     double height;
@@ -158,7 +158,7 @@ static bool option_take(struct options *options, const struct option_row *row, c
         *(const char **)(void *)field = value;
         return true;
     case VALUE_SIZE:
-        return value && take_size(options, value);
+        return value && read_size_option(options, value);
     case VALUE_RESUME:
         options->resume = true;
         options->resume_name = value;
@@ -191,7 +191,7 @@ static bool find_module_option(const struct module_option *option, struct text n
 static bool find_long(struct text name, struct option_row *row)
 {
     for (size_t i = 0; i < COUNT_OF(rows); i++)
-        if (text_is(name, rows[i].name) && is_in(&rows[i])) {
+        if (text_is(name, rows[i].name) && option_is_in_build(&rows[i])) {
             *row = rows[i];
             return true;
         }

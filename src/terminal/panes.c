@@ -55,16 +55,16 @@ static bool panes_note(void *context, struct text text)
 }
 
 /* Sink function that adds text to the log and, while the log is hidden, shows it as a notice. */
-static bool say_here(void *context, struct text text)
+static bool panes_write(void *context, struct text text)
 {
     struct panes *panes = context;
     log_add(&panes_session(panes)->log, text);
     return !keys_on_plot() || panes_note(panes, text); /* the table of the cursors hides the log */
 }
 
-static struct sink sink_of(struct panes *panes)
+static struct sink panes_own_sink(struct panes *panes)
 {
-    return (struct sink){say_here, say_here, panes};
+    return (struct sink){panes_write, panes_write, panes};
 }
 
 static void panes_warn(struct panes *panes, const struct error *error)
@@ -166,7 +166,7 @@ void panes_repaint(struct panes *panes)
 }
 
 /* Adapts session, readline and the page to the size of the screen. */
-static void take_size(struct panes *panes)
+static void adapt_to_size(struct panes *panes)
 {
     struct session *session = panes_session(panes);
     struct front *front = &session->front;
@@ -205,14 +205,14 @@ static void await_answer(struct panes *panes)
 }
 
 /* Stops the program on Ctrl-Z and takes the terminal back when it is continued. */
-static void suspend(struct panes *panes)
+static void suspend_program(struct panes *panes)
 {
     await_answer(panes);
     screen_leave(&panes->screen);
     signals_stop();
     signals_happened(HAPPENED_CONTINUE);
     screen_return(&panes->screen);
-    take_size(panes);
+    adapt_to_size(panes);
 }
 
 /* Acts on signals that have arrived: size, stop, continue, Ctrl-C. With `forget` a Ctrl-C drops the
@@ -222,14 +222,14 @@ static void heed_signals(struct panes *panes, bool forget)
     signals_drain();
     if (signals_happened(HAPPENED_RESIZE)) {
         screen_resize(&panes->screen);
-        take_size(panes);
+        adapt_to_size(panes);
     }
     if (signals_happened(HAPPENED_SUSPEND)) {
-        suspend(panes);
+        suspend_program(panes);
     }
     if (signals_happened(HAPPENED_CONTINUE)) {
         screen_retake(&panes->screen);
-        take_size(panes);
+        adapt_to_size(panes);
     }
     if (cancelled(&interrupt) && !signals_ending()) {
         atomic_store(&interrupt.requested, 0);
@@ -325,7 +325,7 @@ static void execute_line(struct panes *panes)
     const bool nested = panes->running;
     struct reply own, *outer = program->reply;
     if (nested) {
-        reply_init(&own, sink_of(panes));
+        reply_init(&own, panes_own_sink(panes));
         own.quiet = outer->quiet;
         program->reply = &own;
     } else {
@@ -411,7 +411,7 @@ void panes_process(struct panes *panes)
 /* ---- beginning and end ---- */
 
 /* Passes bytes that were typed ahead to readline, when `plain` leaves the panes. */
-static void hand_over(struct panes *panes)
+static void pass_input_to_readline(struct panes *panes)
 {
     unsigned char byte;
     struct text paste;
@@ -465,8 +465,8 @@ void panes_run(struct front_program *program)
         return;
     }
     watch_offer(&panes, &session->front);
-    program->reply->sink = sink_of(&panes);
-    take_size(&panes);
+    program->reply->sink = panes_own_sink(&panes);
+    adapt_to_size(&panes);
     keys_choose(session);
     if (session->log.count == 0) {
         front_greet(program->reply);
@@ -483,7 +483,7 @@ void panes_run(struct front_program *program)
         await_answer(&panes);
     }
     if (program->next == FRONT_IS_PLAIN) {
-        hand_over(&panes);
+        pass_input_to_readline(&panes);
     }
     screen_end(&panes.screen);
     signals_watch(0);

@@ -207,7 +207,7 @@ static bool is_typed_ahead(void)
 }
 
 /* Executes a typed line, through the pager if that is on, and shows the next suggestion. */
-static void execute(struct front_program *program, const char *typed)
+static void execute_typed(struct front_program *program, const char *typed)
 {
     if (text_trim(text_of(typed)).len == 0) {
         offer_again(program, is_typed_ahead());
@@ -286,7 +286,7 @@ void prompt_run(struct front_program *program)
             break;
         }
         typed = offer_take(program, typed);
-        execute(program, typed);
+        execute_typed(program, typed);
         free(typed);
     }
     rl_getc_function = rl_getc;

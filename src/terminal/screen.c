@@ -256,7 +256,7 @@ void screen_color(struct terminal_screen *screen, bool wanted)
 
 /* Returns the character that is sent for a code point: '?' if the C library counts its width
  * differently, which would shift the rest of the row. */
-static wchar_t shown_as(const struct terminal_screen *screen, uint32_t codepoint)
+static wchar_t sent_character(const struct terminal_screen *screen, uint32_t codepoint)
 {
     const wchar_t c = (wchar_t)codepoint;
     if (codepoint < ' ' || codepoint == 127) {
@@ -266,7 +266,7 @@ static wchar_t shown_as(const struct terminal_screen *screen, uint32_t codepoint
 }
 
 /* Writes row y of the canvas to ncurses. */
-static void put_row(struct terminal_screen *screen, int y)
+static void put_screen_row(struct terminal_screen *screen, int y)
 {
     const struct cell *row = screen->canvas.cell + (size_t)y * (size_t)screen->width;
     const bool color = screen->color_wanted && begin_colors(screen);
@@ -276,7 +276,7 @@ static void put_row(struct terminal_screen *screen, int y)
         if (row[x].codepoint == 0) {
             continue;
         }
-        const wchar_t wide[2] = {shown_as(screen, row[x].codepoint), L'\0'};
+        const wchar_t wide[2] = {sent_character(screen, row[x].codepoint), L'\0'};
         const struct style_attributes *look =
             &looks[row[x].codepoint == ' ' ? STYLE_PLAIN : row[x].style];
         setcchar(&line[n++], wide, look->attributes,
@@ -325,7 +325,7 @@ enum shown screen_show(struct terminal_screen *screen, int first_row, int bytes,
         const int cost =
             row_cost(screen->canvas.cell + offset, screen->shown.cell + offset, screen->width);
         if (screen->stale || cost > 0) {
-            put_row(screen, y);
+            put_screen_row(screen, y);
             memcpy(screen->shown.cell + offset, screen->canvas.cell + offset,
                    (size_t)screen->width * sizeof(struct cell));
             sent += screen->stale ? screen->width : cost;

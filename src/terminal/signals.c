@@ -49,7 +49,7 @@ static void on_interrupt(int number)
     signals_wake();
 }
 
-static void handle(int number, void (*handler)(int));
+static void install_handler(int number, void (*handler)(int));
 
 /* Ends the program if saving takes too long, perhaps in a write to a terminal that takes nothing.
  */
@@ -65,7 +65,7 @@ static void on_overdue(int number)
 static void on_ending(int number)
 {
     if (!ending) {
-        handle(SIGALRM, on_overdue);
+        install_handler(SIGALRM, on_overdue);
         alarm(OVERDUE_SECONDS);
     }
     ending = number;
@@ -94,7 +94,7 @@ static void on_event(int number)
 }
 
 /* Installs a handler without SA_RESTART, so that a blocking read returns. */
-static void handle(int number, void (*handler)(int))
+static void install_handler(int number, void (*handler)(int))
 {
     struct sigaction action = {0};
     sigemptyset(&action.sa_mask);
@@ -105,11 +105,12 @@ static void handle(int number, void (*handler)(int))
 /* Installs the handlers of all front ends. */
 void signals_install(void)
 {
-    handle(SIGINT, on_interrupt);
-    handle(SIGHUP, on_ending);
-    handle(SIGTERM, on_ending);
-    handle(SIGPIPE, SIG_IGN); /* closed output and file size limits are reported by write() */
-    handle(SIGXFSZ, SIG_IGN);
+    install_handler(SIGINT, on_interrupt);
+    install_handler(SIGHUP, on_ending);
+    install_handler(SIGTERM, on_ending);
+    install_handler(SIGPIPE,
+                    SIG_IGN); /* closed output and file size limits are reported by write() */
+    install_handler(SIGXFSZ, SIG_IGN);
 }
 
 void signals_hang_up(void)
@@ -135,7 +136,7 @@ void signals_watch(unsigned set)
         if (number_of[i] == SIGALRM && !(set & 1u << i)) {
             crash_signal(SIGALRM);
         } else {
-            handle(number_of[i], set & 1u << i ? on_event : SIG_DFL);
+            install_handler(number_of[i], set & 1u << i ? on_event : SIG_DFL);
         }
     }
 }
@@ -200,9 +201,9 @@ void signals_stop(void)
     sigset_t stop, saved_mask;
     sigemptyset(&stop);
     sigaddset(&stop, SIGTSTP);
-    handle(SIGTSTP, SIG_DFL);
+    install_handler(SIGTSTP, SIG_DFL);
     sigprocmask(SIG_UNBLOCK, &stop, &saved_mask);
     raise(SIGTSTP);
     sigprocmask(SIG_SETMASK, &saved_mask, NULL);
-    handle(SIGTSTP, on_event);
+    install_handler(SIGTSTP, on_event);
 }

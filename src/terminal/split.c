@@ -8,7 +8,7 @@
 #include <string.h>
 
 /* Returns true for names that --split writes, which may be removed if the folder is abandoned. */
-static bool is_part(const char *name)
+static bool is_split_file(const char *name)
 {
     const size_t digits = strspn(name, "0123456789"), len = strlen(name);
     return digits >= 3 && name[digits] == '-' && len > 4 && strcmp(name + len - 4, ".csv") == 0;
@@ -18,8 +18,8 @@ static bool is_part(const char *name)
 bool split_begin(struct split *split, const char *path, bool safe, struct error *error)
 {
     *split = (struct split){.count = 0};
-    split->open =
-        folder_open(&split->folder, path, (struct write_policy){.confine = safe}, is_part, error);
+    split->open = folder_open(&split->folder, path, (struct write_policy){.confine = safe},
+                              is_split_file, error);
     if (split->open || !strstr(error->text, "--force"))
         return split->open;
     error_set(error, ERROR_IO, "%s already exists", path);
@@ -27,7 +27,7 @@ bool split_begin(struct split *split, const char *path, bool safe, struct error 
 }
 
 /* Writes the current file into the folder; a failure is kept for split_end(). */
-static void put_part(struct split *split)
+static void write_current_file(struct split *split)
 {
     if (split->count > 0 && !split->failed &&
         !(split->content.failed ? error_memory(&split->error)
@@ -42,7 +42,7 @@ void split_part(void *context, const char *kind)
 {
     struct streams *streams = context;
     struct split *split = streams->split;
-    put_part(split);
+    write_current_file(split);
     snprintf(split->name, sizeof split->name, "%03d-%s.csv", ++split->count, kind);
 }
 
@@ -66,7 +66,7 @@ bool split_end(struct split *split, struct error *error)
         split->failed = true;
         error_set(&split->error, ERROR_CANCELLED, "ended by a signal: no table was written");
     }
-    put_part(split);
+    write_current_file(split);
     buffer_free(&split->content);
     split->open = false;
     if (!split->failed)

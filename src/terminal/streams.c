@@ -52,7 +52,7 @@ bool streams_flush(struct streams *streams)
 }
 
 /* Adds text to the log, which panes or a screenshot show later. */
-static void shown_text_keep(struct streams *streams, struct text text)
+static void log_shown_text(struct streams *streams, struct text text)
 {
     if (streams->log) {
         log_add(streams->log, text);
@@ -64,7 +64,7 @@ static void shown_text_keep(struct streams *streams, struct text text)
 static bool streams_put_output(void *context, struct text text)
 {
     struct streams *streams = context;
-    shown_text_keep(streams, text);
+    log_shown_text(streams, text);
     if (streams->split && split_takes(streams->split, text))
         return true;
     buffer_put(&streams->output, text);
@@ -77,7 +77,7 @@ static bool streams_put_output(void *context, struct text text)
 static bool streams_put_error(void *context, struct text text)
 {
     struct streams *streams = context;
-    shown_text_keep(streams, text);
+    log_shown_text(streams, text);
     if (streams->holding && isatty(STDERR_FILENO)) {
         buffer_put(&streams->output, text);
         return true;
@@ -171,7 +171,7 @@ static bool pager_run(struct text text)
 
 /* Returns the number of rows that the text takes on a terminal of this width, counted only up to
  * about `max`. */
-static int rows_of(struct text text, int width, int max)
+static int terminal_rows(struct text text, int width, int max)
 {
     struct text line;
     int rows = 0;
@@ -187,7 +187,8 @@ void streams_page(struct streams *streams, int width, int height)
 {
     streams->holding = false;
     if (width > 0 && height > 0 && !streams->output.failed && isatty(STDOUT_FILENO) &&
-        isatty(STDIN_FILENO) && rows_of(buffer_text(&streams->output), width, height) >= height &&
+        isatty(STDIN_FILENO) &&
+        terminal_rows(buffer_text(&streams->output), width, height) >= height &&
         pager_run(buffer_text(&streams->output)))
         buffer_clear(&streams->output);
     streams_flush(streams);

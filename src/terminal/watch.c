@@ -15,7 +15,7 @@ static void echo_typed(struct panes *panes)
 
 /* Serves the terminal between two slices of a live run until `deadline` [clock_ns]: keys, lines,
  * drawing. Returns false if the run must stop. */
-static bool slice(void *context, struct session *session, int64_t deadline)
+static bool panes_slice(void *context, struct session *session, int64_t deadline)
 {
     struct panes *panes = context;
     (void)session;
@@ -37,7 +37,7 @@ static bool slice(void *context, struct session *session, int64_t deadline)
     return go_on;
 }
 
-static void clear(void *context)
+static void panes_clear_log(void *context)
 {
     log_clear(&panes_session(context)->log);
 }
@@ -72,10 +72,11 @@ static bool shot_file(void *context, const struct session *session, const char *
 
 /* Changes the front end: to the plain prompt, or draws everything again. Returns false with an
  * error for the panes themselves. */
-static bool change(void *context, enum front_change change, struct error *error)
+static bool panes_change_front(void *context, enum front_change panes_change_front,
+                               struct error *error)
 {
     struct panes *panes = context;
-    switch (change) {
+    switch (panes_change_front) {
     case FRONT_PLAIN:
         panes->program->next = FRONT_IS_PLAIN;
         return true;
@@ -113,7 +114,7 @@ static void show_progress(void *context, const struct run *run, double fraction)
     signals_busy(busy);
 }
 
-static void executed(void *context)
+static void panes_executed(void *context)
 {
     panes_save(context, true);
 }
@@ -126,13 +127,13 @@ void watch_offer(struct panes *panes, struct front *front)
                             .cancel = &interrupt,
                             .feed = front->feed,
                             .context = panes,
-                            .clear = clear,
+                            .clear = panes_clear_log,
                             .progress = show_progress,
-                            .executed = executed,
+                            .executed = panes_executed,
                             .watched = true,
-                            .slice = slice,
+                            .slice = panes_slice,
                             .screenshot = shot_file,
                             .screen = shot_text,
                             .time_shown = front->time_shown,
-                            .change = change};
+                            .change = panes_change_front};
 }

@@ -7,7 +7,8 @@
 
 /* Returns a copy of a curve of points as a line, with a gap (NAN) wherever a column of the plot or
  * more has no sample. Returns NULL if out of memory. */
-static const struct curve *joined(struct arena *arena, const struct curve *source, int columns)
+static const struct curve *curve_with_gaps(struct arena *arena, const struct curve *source,
+                                           int columns)
 {
     const double *t = source->t ? source->t : source->x;
     const double longest = (t[source->n - 1] - t[0]) / columns;
@@ -47,7 +48,7 @@ bool curves_join_dense(struct arena *arena, int columns, struct figure *figure)
     if (figure->curves != 1 || !figure->curve[0].points ||
         figure->curve[0].n < DENSE_SAMPLES * (size_t)larger(columns, 1))
         return true;
-    const struct curve *curve = joined(arena, &figure->curve[0], larger(columns, 1));
+    const struct curve *curve = curve_with_gaps(arena, &figure->curve[0], larger(columns, 1));
     figure->curve = curve ? curve : figure->curve;
     return curve != NULL;
 }

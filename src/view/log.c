@@ -22,7 +22,7 @@ void line_draw(const struct screen *screen, int x, int y, int width, struct text
 }
 
 /* Returns the style of a line: bold for commands, alert for errors. */
-static enum style style_of(struct text line)
+static enum style line_style(struct text line)
 {
     if (text_starts(line, TEXT("hooke> ")))
         return STYLE_BOLD;
@@ -39,7 +39,7 @@ void log_draw(const struct screen *screen, struct rectangle area)
     if (area.height == 1 &&
         /* a single row shows the beginning of the newest line */
         screen->session->view.scroll <= 0) {
-        line_draw(screen, area.x, area.y, area.width, newest, style_of(newest));
+        line_draw(screen, area.x, area.y, area.width, newest, line_style(newest));
         return;
     }
     /* Goes back from the newest line to the line of the first visible row. */
@@ -58,7 +58,7 @@ void log_draw(const struct screen *screen, struct rectangle area)
             const struct text part = log_row(line, &offset, area.width, &indent);
             if (row >= 0 && row < area.height)
                 line_draw(screen, area.x + indent, area.y + row, area.width - indent, part,
-                          style_of(line));
+                          line_style(line));
             row++;
         } while (offset < line.len);
     }

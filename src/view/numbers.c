@@ -13,7 +13,7 @@
 #define KEYS_LONG 110
 
 /* Returns the value of an observable at the present state of a run. */
-static double present(const struct run *run, const char *name)
+static double present_value(const struct run *run, const char *name)
 {
     const struct row *row = catalog_find(&observable_catalog, text_of(name));
     return run_observable(run, observable_from(row));
@@ -69,7 +69,7 @@ static int put_numbers(const struct screen *screen, int x, int y)
     if (!run)
         return x;
     double energy = run_observable(run, observable_energy(&run->system)),
-           error = present(run, "energy-error");
+           error = present_value(run, "energy-error");
     struct buffer full = {0}, brief = {0}, runs = {0};
     if (isfinite(energy)) {
         put_energy(&full, run, energy);

@@ -26,7 +26,7 @@ static double planned_end(const struct run *run)
 
 /* Lists the indices of the runs to draw: the current run, then its overlays with the same model.
  * Returns their number, 0 while a recording is collected. */
-static int shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLAY])
+static int list_shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLAY])
 {
     const struct run *present = session_run(session);
     int count = 0;
@@ -46,7 +46,7 @@ static int shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLA
 
 /* Returns the user's range as a request for an axis, or NULL if it is automatic (or out of memory).
  */
-static const struct figure_range *fixed_range(struct screen *screen, const double range[2])
+static const struct figure_range *requested_range(struct screen *screen, const double range[2])
 {
     struct figure_range *fixed =
         is_range(range) ? arena_array(&screen->arena, 1, sizeof *fixed) : NULL;
@@ -71,7 +71,7 @@ static struct figure_request make_request(struct screen *screen, enum plot_kind 
     struct figure_request request = {
         .kind = pane,
         .run = runs,
-        .runs = shown_runs(session, runs),
+        .runs = list_shown_runs(session, runs),
         .recording = figure_recording(session, pane),
         .window = {NAN, NAN},
         .width = width,
@@ -90,8 +90,8 @@ static struct figure_request make_request(struct screen *screen, enum plot_kind 
         request.window[1] = view->x[1];
     }
     if (view_focus(view) == pane) {
-        request.y = fixed_range(screen, view->y);
-        request.x = plot_is_timed(pane) ? NULL : fixed_range(screen, view->x);
+        request.y = requested_range(screen, view->y);
+        request.x = plot_is_timed(pane) ? NULL : requested_range(screen, view->x);
     }
     return request;
 }

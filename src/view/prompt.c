@@ -11,7 +11,7 @@
 
 /* Takes the next character off the text and returns how it is shown: itself, `^J` for a control
  * character, `\xNN` for a byte that is no UTF-8 (written to output). */
-static struct text next_piece(struct text *text, char output[ESCAPE_SIZE])
+static struct text take_shown_character(struct text *text, char output[ESCAPE_SIZE])
 {
     static const char invalid[] = "\xEF\xBF\xBD"; /* U+FFFD itself */
     size_t used;
@@ -38,17 +38,17 @@ static int shown_width(struct text text, size_t bytes)
     char output[ESCAPE_SIZE];
     int width = 0;
     while (text.len > remaining)
-        width += text_width(next_piece(&text, output));
+        width += text_width(take_shown_character(&text, output));
     return width;
 }
 
 /* Draws the columns column_begin..column_end of the text, from column x of the screen on. */
-static void draw_part(const struct screen *screen, struct text text, int column_begin,
-                      int column_end, int x, int y, enum style style)
+static void draw_text_columns(const struct screen *screen, struct text text, int column_begin,
+                              int column_end, int x, int y, enum style style)
 {
     char output[ESCAPE_SIZE];
     for (int column = 0; text.len && column < column_end;) {
-        struct text piece = next_piece(&text, output);
+        struct text piece = take_shown_character(&text, output);
         for (struct text glyph = piece; glyph.len;) {
             size_t used;
             int width = codepoint_width(text_codepoint(glyph, &used));
@@ -74,7 +74,7 @@ void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, 
     if (lead > width / 2 && lead + total >= width) /* no room for both */
         lead = 0;
     else
-        draw_part(screen, prompt->prompt, 0, lead, 0, y, STYLE_BOLD);
+        draw_text_columns(screen, prompt->prompt, 0, lead, 0, y, STYLE_BOLD);
     int field = larger(width - lead, 1), step = larger(field / 2, 1), offset = 0;
     bool marks = field >= 4;
     if (cursor > field - 1 - (marks && total > field))
@@ -82,8 +82,8 @@ void prompt_draw(const struct screen *screen, const struct prompt_line *prompt, 
     if (!marks)
         offset = larger(cursor - (field - 1), 0);
     bool is_cut_left = marks && offset > 0, is_cut_right = marks && total - offset > field;
-    draw_part(screen, prompt->line, offset + is_cut_left, offset + field - is_cut_right,
-              lead + is_cut_left, y, STYLE_PLAIN);
+    draw_text_columns(screen, prompt->line, offset + is_cut_left, offset + field - is_cut_right,
+                      lead + is_cut_left, y, STYLE_PLAIN);
     if (is_cut_left)
         canvas_put(screen->canvas, lead, y, '<', STYLE_DIM);
     if (is_cut_right)

@@ -29,7 +29,7 @@ bool view_has_time_range(const struct view *view)
 }
 
 /* Extends an extent to include a finite value. */
-static void extend(struct extent *extent, double value)
+static void extent_include(struct extent *extent, double value)
 {
     if (isfinite(value)) {
         extent->low = fmin(extent->low, value);
@@ -88,8 +88,8 @@ static void extend_collected(const struct session *session, const struct figure 
     const double size = now->swing * (rate && !figure->equal ? TWO_PI / now->steady : 1);
     const double middle =
         rate || row->horizontal != ACROSS_TIME ? 0 : now->middle - session_recording(session)->zero;
-    extend(extent, middle - size);
-    extend(extent, middle + size);
+    extent_include(extent, middle - size);
+    extent_include(extent, middle + size);
 }
 
 /* Extends an extent, while a run is in progress, to the amplitude that the scene is expected to
@@ -108,8 +108,8 @@ static void extend_expected(const struct session *session, const struct figure *
     const struct system *system = &run->system;
     if (row->energy) {
         if (system->order == 2)
-            extend(extent,
-                   system_kinetic(system, system->start) + system_potential(system, system->start));
+            extent_include(extent, system_kinetic(system, system->start) +
+                                       system_potential(system, system->start));
         return;
     }
     if (system->model->typed && system->oscillator.whole && !(system->oscillator.stiffness > 0))
@@ -117,8 +117,8 @@ static void extend_expected(const struct session *session, const struct figure *
     bool speed = row->vertical == VERTICAL_RATE &&
                  (row->horizontal == ACROSS_TIME || (vertical && !figure->equal));
     double size = system->scale[speed ? system->n / 2 : 0];
-    extend(extent, size);
-    extend(extent, system->order == 2 ? -size : 0);
+    extent_include(extent, size);
+    extent_include(extent, system->order == 2 ? -size : 0);
 }
 
 /* Fixes a logarithmic axis to whole decades around the extent. */
@@ -153,7 +153,7 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
         return;
     }
     if (plot_row(placed->pane)->from_zero && extent.low <= extent.high)
-        extend(&extent, 0);
+        extent_include(&extent, 0);
     if (first)
         extend_expected(session, figure, placed->pane, true, &extent);
     axis_settle(y, extent, placed->area.height);

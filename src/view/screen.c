@@ -4,7 +4,7 @@
 #include "view/internal.h"
 
 /* Draws everything but the prompt. Sets *ok to false if out of memory. */
-static void draw_parts(struct screen *screen, const struct prompt_line *prompt, bool *ok)
+static void draw_above_prompt(struct screen *screen, const struct prompt_line *prompt, bool *ok)
 {
     const struct session *session = screen->session;
     const struct cursors *cursors = &session->view.cursors;
@@ -42,7 +42,7 @@ bool screen_draw(const struct session *session, const struct prompt_line *prompt
 
     for (int i = 0; i < canvas->width * canvas->height; i++)
         canvas->cell[i] = (struct cell){' ', STYLE_PLAIN};
-    draw_parts(&screen, prompt, &ok);
+    draw_above_prompt(&screen, prompt, &ok);
     for (int i = 0; !ok && i < canvas->width * canvas->height; i++)
         canvas->cell[i] = (struct cell){' ', STYLE_PLAIN};
     if (ok)

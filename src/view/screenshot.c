@@ -42,8 +42,8 @@ static void choose_size(const struct session *session, int *width, int *height)
     *height = session->front.height ? session->front.height : 24;
 }
 
-static bool to_text(void *context, const struct session *session, struct buffer *text,
-                    struct error *error)
+static bool screen_to_text(void *context, const struct session *session, struct buffer *text,
+                           struct error *error)
 {
     (void)context;
     int width, height;
@@ -51,8 +51,8 @@ static bool to_text(void *context, const struct session *session, struct buffer 
     return screenshot_text(session, &empty_prompt, width, height, text, error);
 }
 
-static bool to_file(void *context, const struct session *session, const char *path,
-                    struct write_policy policy, struct error *error)
+static bool screen_to_file(void *context, const struct session *session, const char *path,
+                           struct write_policy policy, struct error *error)
 {
     (void)context;
     int width, height;
@@ -72,6 +72,6 @@ static bool time_shown(void *context, const struct session *session, double span
 void screenshot_offer(struct front *front)
 {
     front->time_shown = time_shown;
-    front->screenshot = to_file;
-    front->screen = to_text;
+    front->screenshot = screen_to_file;
+    front->screen = screen_to_text;
 }

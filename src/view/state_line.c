@@ -159,8 +159,8 @@ static void put_method(struct buffer *output, const struct session *session,
 }
 
 /* Appends the line in one form, with at most `parameters` parameters. */
-static void put_form(struct buffer *output, const struct session *session,
-                     const struct line_form *form, int parameters)
+static void put_line_form(struct buffer *output, const struct session *session,
+                          const struct line_form *form, int parameters)
 {
     const struct setup *setup = &session->setup;
     const struct text bar = form->blanks ? TEXT(" | ") : TEXT(" ");
@@ -191,7 +191,7 @@ static void mark_word(const struct screen *screen, int y, struct text line, cons
 }
 
 /* Replaces runs of blanks by single blanks. */
-static void tighten(struct buffer *text)
+static void collapse_blanks(struct buffer *text)
 {
     size_t n = 0;
     for (size_t i = 0; i < text->len; i++)
@@ -210,9 +210,9 @@ void state_line_draw(const struct screen *screen, int y)
         buffer_clear(&text);
         modules_label(screen->session, &text);
         buffer_put(&text, text.len ? TEXT(" waits | ") : TEXT(""));
-        put_form(&text, screen->session, &forms[i], parameters);
+        put_line_form(&text, screen->session, &forms[i], parameters);
         if (text_width(buffer_text(&text)) > width)
-            tighten(&text);
+            collapse_blanks(&text);
         if (text_width(buffer_text(&text)) <= width)
             break;
         if (forms[i].parameters && !forms[i].steps && parameters > 2) /* drops the last parameter */

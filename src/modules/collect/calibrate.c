@@ -61,7 +61,7 @@ static bool take_reading(const struct session *session, const struct recording *
 }
 
 /* Returns the mean of a reading rounded to one digit beyond its standard error. */
-static double rounded(const struct raw *raw)
+static double rounded_mean(const struct raw *raw)
 {
     const double error = raw->scatter / sqrt((double)raw->n), decimals = 1 - floor(log10(error));
     char text[64];
@@ -127,13 +127,14 @@ static void calibration_keep(struct session *session, const struct calibration *
 /* Makes and stores the calibration of two readings whose true values are known, truth[i] in
  * unit[i]. Returns false with an error if the readings are too close to each other compared with
  * their noise. */
-static bool from_raw(struct session *session, const struct raw raw[2], const double truth[2],
-                     const struct unit *const unit[2], struct reply *reply, struct error *error)
+static bool calibrate_from_readings(struct session *session, const struct raw raw[2],
+                                    const double truth[2], const struct unit *const unit[2],
+                                    struct reply *reply, struct error *error)
 {
     const double apart = fabs(raw[1].mean - raw[0].mean),
                  noise = hypot(raw[0].scatter / sqrt((double)raw[0].n),
                                raw[1].scatter / sqrt((double)raw[1].n));
-    const double value[4] = {rounded(&raw[0]), truth[0], rounded(&raw[1]), truth[1]};
+    const double value[4] = {rounded_mean(&raw[0]), truth[0], rounded_mean(&raw[1]), truth[1]};
     const struct unit *const units[4] = {raw[0].unit, unit[0], raw[1].unit, unit[1]};
     struct calibration c;
     if (!(apart > READING_SEPARATION_SIGMAS * noise)) {
@@ -155,7 +156,7 @@ static bool from_raw(struct session *session, const struct raw raw[2], const dou
 }
 
 /* Returns the recording that is being collected, or NULL. */
-static struct recording *growing(const struct session *session)
+static struct recording *growing_recording(const struct session *session)
 {
     for (int i = 0; session_collecting(session) && i < session->recordings; i++)
         if (session->recording[i]->growing)
@@ -166,10 +167,10 @@ static struct recording *growing(const struct session *session)
 /* Takes the reading at the next of the two points (`calibrate take`); after the second the
  * calibration is made. Returns false with an error if no point is expected or there is too little
  * data. */
-static bool take_point(struct session *session, struct reply *reply, struct error *error)
+static bool take_next_point(struct session *session, struct reply *reply, struct error *error)
 {
     struct collecting *now = session_collecting(session);
-    struct recording *recording = growing(session);
+    struct recording *recording = growing_recording(session);
     struct raw raw[2];
     if (!now || !now->aim.waits) {
         error_set(error, ERROR_COMMAND, "no calibration is waiting for a point");
@@ -195,13 +196,14 @@ static bool take_point(struct session *session, struct reply *reply, struct erro
     }
     now->aim.waits = false;
     raw[0] = (struct raw){now->aim.read[0], now->aim.scatter[0], 1, now->aim.read_unit};
-    return from_raw(session, raw, now->aim.truth, now->aim.truth_unit, reply, error);
+    return calibrate_from_readings(session, raw, now->aim.truth, now->aim.truth_unit, reply, error);
 }
 
 /* Takes both readings from the current recording, in two windows of time such as "0:2,5:7" [s], and
  * makes the calibration. Returns false with an error if the windows are malformed or too short. */
-static bool take_windows(struct session *session, struct text remaining, const double truth[2],
-                         const struct unit *const unit[2], struct reply *reply, struct error *error)
+static bool calibrate_from_windows(struct session *session, struct text remaining,
+                                   const double truth[2], const struct unit *const unit[2],
+                                   struct reply *reply, struct error *error)
 {
     const struct recording *recording = session_recording(session);
     struct raw raw[2];
@@ -227,13 +229,14 @@ static bool take_windows(struct session *session, struct text remaining, const d
         if (!take_reading(session, recording, edge[0], edge[1], &raw[i], error))
             return false;
     }
-    return from_raw(session, raw, truth, unit, reply, error);
+    return calibrate_from_readings(session, raw, truth, unit, reply, error);
 }
 
 /* Begins a calibration from two true values: from windows of a recording (at=), or by asking the
  * user to hold the sensor's object at the first point. */
-static bool two_truths(struct session *session, struct text rest, const double truth[2],
-                       const struct unit *const unit[2], struct reply *reply, struct error *error)
+static bool begin_calibration(struct session *session, struct text rest, const double truth[2],
+                              const struct unit *const unit[2], struct reply *reply,
+                              struct error *error)
 {
     struct collecting *now = session_collecting(session);
     const struct text key = TEXT("at=");
@@ -241,8 +244,8 @@ static bool two_truths(struct session *session, struct text rest, const double t
         return error_set(error, ERROR_COMMAND,
                          "two different points are needed, but both are the same");
     if (text_starts(rest, key))
-        return take_windows(session, text_trim(text_after(rest, key.len)), truth, unit, reply,
-                            error);
+        return calibrate_from_windows(session, text_trim(text_after(rest, key.len)), truth, unit,
+                                      reply, error);
     if (!now) {
         error_set(error, ERROR_COMMAND, "nothing is being collected");
         return error_hint(error, "give the times of both positions in the current recording, "
@@ -275,7 +278,7 @@ HANDLER(calibrate)
         return true;
     }
     if (has_argument(args, "take"))
-        return take_point(session, reply, error);
+        return take_next_point(session, reply, error);
     if (!name->count) {
         calibration_reply(&session->setup.calibration, reply);
         return true;
@@ -288,7 +291,7 @@ HANDLER(calibrate)
     struct text rest = points->count ? points->item->text : TEXT("");
     const int n = calibration_values(&rest, value, unit, 4);
     if (n == 2)
-        return two_truths(session, rest, value, unit, reply, error);
+        return begin_calibration(session, rest, value, unit, reply, error);
     if (n != 4 || rest.len > 0) {
         error_at(error, points->count ? points->where : name->where,
                  "'calibrate' needs two true values, or READ1 TRUE1 READ2 TRUE2");
@@ -308,7 +311,7 @@ HANDLER(zero)
 {
     UNUSED(args);
     const struct recording *recording =
-        session_collecting(session) ? growing(session) : session_recording(session);
+        session_collecting(session) ? growing_recording(session) : session_recording(session);
     struct raw raw;
     if (!recording) {
         error_set(error, ERROR_COMMAND, "there are no data for a zero");
@@ -322,7 +325,7 @@ HANDLER(zero)
         return false;
     struct calibration c =
         session->setup.calibration.known ? session->setup.calibration : recording->calibration;
-    const double mean = rounded(&raw);
+    const double mean = rounded_mean(&raw);
     if (!c.known) {
         const double value[4] = {mean, 0, mean + 1, 1};
         const struct unit *const unit[4] = {raw.unit, raw.unit, raw.unit, raw.unit};

@@ -61,7 +61,7 @@ static void reply_collected(const struct collection *c, const struct recording *
 }
 
 /* Reports in a line how many lines and samples came, and warns if the device was unplugged. */
-static void say_end(const struct collection *c, const struct recording *recording)
+static void report_end(const struct collection *c, const struct recording *recording)
 {
     const struct collected *known = recording->collected;
     const struct {
@@ -119,7 +119,7 @@ static bool await_trigger(struct collection *c, struct recording *recording, str
 }
 
 /* Reports lines that no format can read: how many came, and how to read them. Returns false. */
-static bool say_unread(const struct collection *c, struct error *error)
+static bool report_unread(const struct collection *c, struct error *error)
 {
     const struct error why = *error;
     error_set(error, why.code, "%llu %s from %s, but no recording: %s",
@@ -151,7 +151,7 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
     }
     struct recording *recording = recording_load(c->path, &options, error);
     if (!recording)
-        return say_unread(c, error);
+        return report_unread(c, error);
     const int same = session_find_recording(session, text_of(recording->name));
     if (same >= 0)
         session_drop_recording(session, same);
@@ -171,7 +171,7 @@ bool collect_finish(struct collection *c, const struct arguments *args, struct e
     buffer_format(happened, "%s\n", load_options);
     if (recording->window[0] > recording->t[0])
         buffer_format(happened, "data window %.17g:\n", recording->window[0]);
-    say_end(c, recording);
+    report_end(c, recording);
     reply_description(recording, c->reply);
     reply_collected(c, recording);
     collect_say_fit(c);

@@ -26,7 +26,7 @@ int collect_own_place(const struct session *session)
 
 /* Adds the recording of the first readable rows to the session, as the growing one. Frees it if out
  * of memory. */
-static void begin_showing(struct collection *c, struct recording *recording)
+static void show_first_rows(struct collection *c, struct recording *recording)
 {
     struct error ignored;
     const int same = session_find_recording(c->session, c->options.name);
@@ -57,7 +57,7 @@ static void collection_show(struct collection *c, struct recording *more)
             session_drop_recording(c->session, place);
     }
     if (place < 0 || other)
-        begin_showing(c, more);
+        show_first_rows(c, more);
     else
         recording_destroy(more);
     place = collect_own_place(c->session);
@@ -82,7 +82,7 @@ bool collect_put_calibration(const struct collection *c, struct error *error)
 
 /* Applies a calibration that was made meanwhile: writes it to the file and begins to read the file
  * again. */
-static void look_at_calibration(struct collection *c)
+static void apply_new_calibration(struct collection *c)
 {
     const struct calibration *wanted = &c->session->setup.calibration;
     struct error error;
@@ -100,9 +100,9 @@ static void look_at_calibration(struct collection *c)
 
 /* Reads new rows if they are shown or a trigger is awaited; looks for the trigger and shows them.
  */
-static void look_at_recording(struct collection *c)
+static void read_new_rows(struct collection *c)
 {
-    look_at_calibration(c);
+    apply_new_calibration(c);
     const bool waits = c->trigger.wanted && isnan(c->trigger.t) && !c->never.text[0];
     const bool shows = c->session->front.watched || fits_of(c->session)->live;
     if (!shows && !waits)
@@ -124,7 +124,7 @@ void collect_fit_last(struct collection *c)
 {
     do {
         c->view.due = c->live.fit_due = 0;
-        look_at_recording(c);
+        read_new_rows(c);
     } while (c->view.lines == 0 && collect_own_place(c->session) >= 0);
     const int place = collect_own_place(c->session);
     if (place < 0)
@@ -137,7 +137,7 @@ void collect_fit_last(struct collection *c)
 }
 
 /* Says once what is waited for, if nothing arrives or nothing that can be read. */
-static void say_waiting(struct collection *c)
+static void report_waiting(struct collection *c)
 {
     const struct feed_look *look = &c->look;
     if (!c->said_silent && look->lines == 0 && look->now - c->t_begin > SILENT_S) {
@@ -162,7 +162,7 @@ static void say_waiting(struct collection *c)
 }
 
 /* Sets the time at which the axes of the panes end, if it is known. */
-static void tell_end(struct collection *c)
+static void update_end(struct collection *c)
 {
     const int place = collect_own_place(c->session);
     const struct recording *shown = place >= 0 ? c->session->recording[place]->recording : NULL;
@@ -177,7 +177,7 @@ static void tell_end(struct collection *c)
 
 /* Updates the state line, the time limit of the feed, and the progress; stops the collection at its
  * end. */
-static void tell_state(struct collection *c)
+static void update_state(struct collection *c)
 {
     struct collecting *state = &c->state;
     const bool waits = c->trigger.wanted && isnan(c->trigger.t);
@@ -191,7 +191,7 @@ static void tell_state(struct collection *c)
     c->looked = c->look.now;
     state->lines = c->look.lines + c->there;
     state->seconds = isnan(start) ? 0 : c->look.now - start - c->idle;
-    tell_end(c);
+    update_end(c);
     const double end = start + c->length + c->idle;
     c->session->front.feed->limit(
         state->feed, end < HUGE_VAL && state->state == COLLECT_GOES_ON ? end : HUGE_VAL);
@@ -214,9 +214,9 @@ bool collect_follow(struct collection *c)
     bool interrupted = false;
     for (;;) {
         front->feed->look(c->state.feed, &c->look);
-        look_at_recording(c);
-        say_waiting(c);
-        tell_state(c);
+        read_new_rows(c);
+        report_waiting(c);
+        update_state(c);
         if (c->look.end != FEED_GOES_ON || c->state.stop || c->session->execution.quit ||
             interrupted || c->never.text[0])
             break;

@@ -25,8 +25,8 @@
 
 /* Fills a series with the rows from t_begin [s] on, thinned to at most PERIOD_ROWS. Returns false
  * if there are too few. */
-static bool last_rows(const struct recording *recording, double t_begin, struct arena *arena,
-                      struct series *series)
+static bool read_last_rows(const struct recording *recording, double t_begin, struct arena *arena,
+                           struct series *series)
 {
     struct error ignored;
     if (!recording_series(recording, arena, 16, series, &ignored))
@@ -55,7 +55,7 @@ static double mean_of_periods(const struct series *series, double period)
 }
 
 /* Updates the values that the axes of panes follow, where they have changed noticeably. */
-static void steady(struct collecting *now, double middle)
+static void update_steady_values(struct collecting *now, double middle)
 {
     if (!(fabs(now->period - now->growing.steady) < AXIS_CHANGE_MIN * now->growing.steady))
         now->growing.steady = now->period;
@@ -77,12 +77,12 @@ static void find_period(struct collecting *now, const struct recording *recordin
                  t_begin = now->period > 0 ? end - (SHOWN_PERIODS + 0.5) * now->period : -HUGE_VAL;
     now->period = now->amplitude = NAN;
     now->quantity = recording->column[recording->value].quantity;
-    if (last_rows(recording, t_begin, &arena, &series) &&
+    if (read_last_rows(recording, t_begin, &arena, &series) &&
         series_period(&series, &arena, &period, &ignored)) {
         now->period = period.period.value;
         if (series_period_readings(&series, 1, &arena, &reading, &ignored))
             now->amplitude = reading.amplitude.value;
-        steady(now, mean_of_periods(&series, now->period) + recording->zero);
+        update_steady_values(now, mean_of_periods(&series, now->period) + recording->zero);
     }
     arena_reset(&arena);
 }
@@ -116,8 +116,8 @@ static void find_fit(struct collection *c, const struct recording *recording)
 
 /* Returns true if the user has set up a scene that moves in one coordinate of the recorded
  * quantity; binds it into *system. */
-static bool matches(const struct session *session, const struct recording *recording,
-                    struct system *system)
+static bool scene_matches_recording(const struct session *session,
+                                    const struct recording *recording, struct system *system)
 {
     const struct scene *scene = &session->setup.scene;
     struct error ignored;
@@ -165,7 +165,7 @@ static bool find_start(const struct scene *scene, const struct recording *record
 }
 
 /* Frees the run of the scene. */
-static void forget_model(struct collecting *now)
+static void free_scene_run(struct collecting *now)
 {
     if (now->growing.model)
         run_destroy(now->growing.model);
@@ -174,7 +174,7 @@ static void forget_model(struct collecting *now)
 
 /* Creates the run of the scene from the recording's start, by the chosen method or else by rk4 with
  * small steps. Does nothing if the initial values are not known yet. */
-static void begin_model(struct collection *c, const struct recording *recording)
+static void begin_scene_run(struct collection *c, const struct recording *recording)
 {
     const struct session *session = c->session;
     const struct row *rk4 = catalog_find(&method_catalog, TEXT("rk4"));
@@ -200,7 +200,7 @@ static void begin_model(struct collection *c, const struct recording *recording)
 
 /* Advances the run of the scene to the newest sample; begins anew if the scene or the method was
  * changed. */
-static void find_model(struct collection *c, const struct recording *recording)
+static void advance_scene_run(struct collection *c, const struct recording *recording)
 {
     const struct setup *setup = &c->session->setup;
     struct collect_live *live = &c->live;
@@ -208,12 +208,12 @@ static void find_model(struct collection *c, const struct recording *recording)
     struct system system;
     if (live->method != setup->method || live->laid.model != setup->scene.model ||
         memcmp(live->laid.value, setup->scene.value, sizeof setup->scene.value) != 0) {
-        forget_model(now);
+        free_scene_run(now);
         live->laid = setup->scene;
         live->method = setup->method;
     }
-    if (!now->growing.model && matches(c->session, recording, &system))
-        begin_model(c, recording);
+    if (!now->growing.model && scene_matches_recording(c->session, recording, &system))
+        begin_scene_run(c, recording);
     if (!now->growing.model || stop_is_failure(now->growing.model->stop))
         return;
     const struct run_target target = {.t = recording->t[recording->rows - 1], .steps = -1};
@@ -234,7 +234,7 @@ void collect_find(struct collection *c, struct recording *recording)
         c->live.fit_due = begun + FIT_NS;
         find_fit(c, recording);
     }
-    find_model(c, recording);
+    advance_scene_run(c, recording);
 }
 
 /* Reports the last fit as a line and as a record. */
@@ -261,7 +261,7 @@ void collect_say_fit(const struct collection *c)
 
 void collect_live_free(struct collection *c)
 {
-    forget_model(&c->state);
+    free_scene_run(&c->state);
     struct fits *fits = fits_made(c->session);
     if (fits)
         fits->live = false;

@@ -29,7 +29,7 @@ static bool is_counted(struct text line)
 
 /* Reads the file from view->offset on, behind its head, into text: at most FIRST_BYTES, whole lines
  * only. Sets *all if the end was reached. Returns false if there is nothing or out of memory. */
-static bool read_new(struct collect_view *view, struct buffer *text, bool *all)
+static bool read_new_text(struct collect_view *view, struct buffer *text, bool *all)
 {
     char piece[4096];
     *all = false;
@@ -71,7 +71,7 @@ static void keep_head(struct collect_view *view, struct text file,
 }
 
 /* Lets the next reading begin `overlap` bytes before the end of this one, at a line. */
-static void go_on(struct collect_view *view, struct text seen, size_t overlap)
+static void advance_offset(struct collect_view *view, struct text seen, size_t overlap)
 {
     struct text rest = {seen.data + view->head.len, seen.len - view->head.len}, line;
     while (rest.len > overlap && text_split(&rest, '\n', &line)) {
@@ -113,11 +113,11 @@ struct recording *collect_view_read(struct collect_view *view, uint64_t lines)
     bool all;
     if (lines < 3 || lines == view->lines || begun < view->due)
         return NULL;
-    if (read_new(view, &text, &all))
+    if (read_new_text(view, &text, &all))
         recording = read_rows(view, buffer_text(&text));
     if (recording)
-        go_on(view, buffer_text(&text),
-              recording->collected->clock == CLOCK_DEVICE ? OVERLAP_BYTES : TAIL_BYTES);
+        advance_offset(view, buffer_text(&text),
+                       recording->collected->clock == CLOCK_DEVICE ? OVERLAP_BYTES : TAIL_BYTES);
     buffer_free(&text);
     view->lines = all || !recording ? lines : 0;
     const int64_t spent = DRAWING_SHARE * (clock_ns() - begun);

@@ -64,7 +64,7 @@ static void plain_name(struct text source, size_t max, char name[LIMIT_NAME + 1]
 
 /* Returns the name of a new file, NAME-N.txt, named after as= or the source; NULL if there is none
  * or out of memory. */
-static const char *free_name(const struct arguments *args, const char *source)
+static const char *new_file_name(const struct arguments *args, const char *source)
 {
     const struct text as = argument_text(args, "as");
     char stem[LIMIT_NAME + 1];
@@ -82,7 +82,7 @@ static const char *free_name(const struct arguments *args, const char *source)
 }
 
 /* Reads the options of a collection. Returns false with an error. */
-static bool read_wishes(const struct arguments *args, struct collection *c, struct error *error)
+static bool read_options(const struct arguments *args, struct collection *c, struct error *error)
 {
     const struct argument_value *decimal = argument_value(args, "decimal"),
                                 *sep = argument_value(args, "sep");
@@ -119,7 +119,8 @@ static bool read_wishes(const struct arguments *args, struct collection *c, stru
 /* Opens the file for appending and writes its head: the statement that repeats the collection, and
  * the calibration. Returns its descriptor, or -1 with an error if the source does not exist, the
  * file exists already, or writing fails. */
-static int begin_file(const struct collection *c, const struct arguments *args, struct error *error)
+static int open_collected_file(const struct collection *c, const struct arguments *args,
+                               struct error *error)
 {
     struct stat st, own;
     if (strcmp(c->source, STANDARD_INPUT) != 0 &&
@@ -168,7 +169,7 @@ static int begin_file(const struct collection *c, const struct arguments *args, 
 /* ---- a collection ---- */
 
 /* Returns a path with control characters made visible, or NULL if out of memory. */
-static const char *shown(const struct arguments *args, const char *path)
+static const char *visible_path(const struct arguments *args, const char *path)
 {
     struct buffer safe = {0};
     safe_text(&safe, text_of(path), false);
@@ -189,11 +190,11 @@ static bool collection_start(struct collection *c, const struct arguments *args,
         return error_memory(error);
     if (!feed)
         return error_set(error, ERROR_COMMAND, "this program cannot collect data");
-    c->from_shown = shown(args, c->source);
-    c->to_shown = shown(args, c->path);
+    c->from_shown = visible_path(args, c->source);
+    c->to_shown = visible_path(args, c->path);
     if (!c->from_shown || !c->to_shown)
         return error_memory(error);
-    const int file = begin_file(c, args, error);
+    const int file = open_collected_file(c, args, error);
     if (file < 0)
         return false;
     const struct feed_request request = {.source = c->source,
@@ -244,8 +245,8 @@ static bool collection_start(struct collection *c, const struct arguments *args,
 
 /* Handles collect pause, continue and stop during a collection. Returns false with an error for
  * others. */
-static bool steer(struct session *session, const struct arguments *args, struct reply *reply,
-                  struct error *error)
+static bool steer_collection(struct session *session, const struct arguments *args,
+                             struct reply *reply, struct error *error)
 {
     struct collecting *now = session_collecting(session);
     const bool pause = has_argument(args, "pause"), continues = has_argument(args, "continue");
@@ -265,8 +266,8 @@ static bool steer(struct session *session, const struct arguments *args, struct 
 
 /* Parses the statement that collected the current recording again, into *again. Returns false with
  * an error if it was not collected. */
-static bool repeat(struct session *session, const struct arguments *args, struct arguments *again,
-                   struct error *error)
+static bool parse_statement_again(struct session *session, const struct arguments *args,
+                                  struct arguments *again, struct error *error)
 {
     const struct recording *recording = session_recording(session);
     if (!recording || !recording->collected || recording->collected->statement.len == 0) {
@@ -293,7 +294,7 @@ static bool repeat(struct session *session, const struct arguments *args, struct
 
 /* Prepares to continue the file of a recording; its time has advanced by the time since the file
  * was changed. Returns false if the file is gone. */
-static bool go_on_after(struct collection *c, const struct recording *recording)
+static bool continue_file(struct collection *c, const struct recording *recording)
 {
     struct stat st;
     struct timespec now;
@@ -310,11 +311,11 @@ static bool go_on_after(struct collection *c, const struct recording *recording)
 }
 
 /* Chooses the names of the file and of the recording. Returns false with an error. */
-static bool name_it(struct collection *c, const struct arguments *args, struct error *error)
+static bool choose_names(struct collection *c, const struct arguments *args, struct error *error)
 {
     const struct text path = argument_text(args, "to"), as = argument_text(args, "as");
     if (!c->path)
-        c->path = path.len ? arena_text(args->arena, path) : free_name(args, c->source);
+        c->path = path.len ? arena_text(args->arena, path) : new_file_name(args, c->source);
     if (!c->path)
         return error_set(error, ERROR_IO, "the file has no name; give one with to=FILE");
     if (as.len > 0 && (as.len > LIMIT_NAME || peek_name(as).len != as.len))
@@ -337,7 +338,7 @@ HANDLER(collect)
 {
     struct collection c = {.session = session, .reply = reply};
     if (session_collecting(session))
-        return steer(session, args, reply, error);
+        return steer_collection(session, args, reply, error);
     struct arguments *again = arena_alloc(args->arena, sizeof *again);
     const bool continues = has_argument(args, "continue"),
                anew = continues || has_argument(args, "again");
@@ -347,9 +348,9 @@ HANDLER(collect)
         return error_set(error, ERROR_COMMAND, "a run is in progress; pause it first");
     if (has_argument(args, "pause") || has_argument(args, "stop"))
         return error_set(error, ERROR_COMMAND, "nothing is being collected");
-    if (anew && !repeat(session, args, again, error))
+    if (anew && !parse_statement_again(session, args, again, error))
         return false;
-    if (continues && !go_on_after(&c, session_recording(session)))
+    if (continues && !continue_file(&c, session_recording(session)))
         return error_set(error, ERROR_IO, "its file no longer exists");
     const struct arguments *const wishes = anew ? again : args;
     const struct text source = argument_text(wishes, "SOURCE");
@@ -368,7 +369,7 @@ HANDLER(collect)
     c.source = arena_text(args->arena, input ? TEXT(STANDARD_INPUT) : source);
     if (!c.source)
         return error_memory(error);
-    return read_wishes(wishes, &c, error) && name_it(&c, args, error) &&
+    return read_options(wishes, &c, error) && choose_names(&c, args, error) &&
            collection_start(&c, wishes, error);
 }
 

@@ -181,7 +181,7 @@ static void markup_row_put(struct buffer *output, const struct markup *as,
 }
 
 /* Returns true if a row has something in the column: a number other than 0, or a text. */
-static bool says_something(const struct table *table, const struct table_column *column)
+static bool column_has_values(const struct table *table, const struct table_column *column)
 {
     for (size_t i = 0; i < table->rows; i++)
         if (column->value ? !isnan(column->value[i]) && column->value[i] != 0 : *column->text[i])
@@ -199,7 +199,7 @@ static bool choose_columns(const struct table *table, struct arena *arena, struc
     chosen->column = column;
     for (int i = 0; column && i < table->columns; i++)
         if (table->digits == 0 ||
-            (!table->column[i].detail && says_something(table, &table->column[i])))
+            (!table->column[i].detail && column_has_values(table, &table->column[i])))
             column[chosen->columns++] = table->column[i];
     return column != NULL;
 }

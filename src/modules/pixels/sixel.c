@@ -32,17 +32,17 @@ static uint32_t pixel_at(const unsigned char *row, int x)
 }
 
 /* Returns red, green or blue (i 0, 1, 2) of a pixel. */
-static int channel(uint32_t word, int i)
+static int pixel_channel(uint32_t word, int i)
 {
     return (int)(word >> (16 - 8 * i) & 0xff);
 }
 
 /* Returns the index of a pixel's bin. */
-static size_t bin_of(uint32_t word)
+static size_t pixel_bin(uint32_t word)
 {
     size_t bin = 0;
     for (int i = 0; i < 3; i++)
-        bin = bin << CHANNEL_BITS | (size_t)channel(word, i) >> (8 - CHANNEL_BITS);
+        bin = bin << CHANNEL_BITS | (size_t)pixel_channel(word, i) >> (8 - CHANNEL_BITS);
     return bin;
 }
 
@@ -57,20 +57,20 @@ static int by_count(const void *a, const void *b)
 }
 
 /* Returns the mean of a channel of a bin in percent. */
-static unsigned char percent(const struct bin *bin, int i)
+static unsigned char bin_percent(const struct bin *bin, int i)
 {
     const double mean = (double)bin->sum[i] / (double)bin->count;
     return (unsigned char)(mean * 100 / 255 + 0.5);
 }
 
 /* Returns the index of the palette's colour that is nearest to the mean colour of a bin. */
-static int nearest(const struct palette *palette, const struct bin *bin)
+static int nearest_color(const struct palette *palette, const struct bin *bin)
 {
     int best = 0, least = 1 << 30;
     for (int c = 0; c < palette->count; c++) {
         int distance = 0;
         for (int i = 0; i < 3; i++) {
-            const int difference = percent(bin, i) - palette->color[c][i];
+            const int difference = bin_percent(bin, i) - palette->color[c][i];
             distance += difference * difference;
         }
         if (distance < least) {
@@ -96,9 +96,9 @@ static bool choose_palette(struct palette *palette)
     palette->count = n < SIXEL_COLORS ? n : SIXEL_COLORS;
     for (int c = 0; c < palette->count; c++)
         for (int i = 0; i < 3; i++)
-            palette->color[c][i] = percent(order[c], i);
+            palette->color[c][i] = bin_percent(order[c], i);
     for (int k = 0; k < n; k++)
-        order[k]->color = k < palette->count ? k : nearest(palette, order[k]);
+        order[k]->color = k < palette->count ? k : nearest_color(palette, order[k]);
     free(order);
     return true;
 }
@@ -122,7 +122,7 @@ static void put_band(const struct palette *palette, const unsigned char *pixel, 
     for (int y = 0; y < rows; y++)
         for (int x = 0; x < width; x++)
             present |= UINT64_C(1)
-                       << palette->bin[bin_of(pixel_at(pixel + stride * (size_t)y, x))].color;
+                       << palette->bin[pixel_bin(pixel_at(pixel + stride * (size_t)y, x))].color;
     for (int c = 0; c < palette->count; c++) {
         if (!(present >> c & 1))
             continue;
@@ -131,7 +131,7 @@ static void put_band(const struct palette *palette, const unsigned char *pixel, 
         for (int x = 0; x < width; x++) {
             int bits = 0;
             for (int y = 0; y < rows; y++)
-                if (palette->bin[bin_of(pixel_at(pixel + stride * (size_t)y, x))].color == c)
+                if (palette->bin[pixel_bin(pixel_at(pixel + stride * (size_t)y, x))].color == c)
                     bits |= 1 << y;
             if (run > 0 && bits != last) {
                 put_sixels(output, run, last);
@@ -157,10 +157,10 @@ bool sixel_write(const unsigned char *pixel, size_t stride, int width, int heigh
     for (int y = 0; palette && y < height; y++)
         for (int x = 0; x < width; x++) {
             const uint32_t word = pixel_at(pixel + stride * (size_t)y, x);
-            struct bin *bin = &palette->bin[bin_of(word)];
+            struct bin *bin = &palette->bin[pixel_bin(word)];
             bin->count++;
             for (int i = 0; i < 3; i++)
-                bin->sum[i] += (uint64_t)channel(word, i);
+                bin->sum[i] += (uint64_t)pixel_channel(word, i);
         }
     const bool ok = palette && choose_palette(palette);
     if (ok) {

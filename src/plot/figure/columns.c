@@ -81,8 +81,8 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
 
 /* Computes a column at event record i of a run. Returns false with an error for an observable that
  * needs more than the state at the event. */
-static bool column_value(const struct run *run, const struct chosen_column *column, size_t i,
-                         double *value, struct error *error)
+static bool column_value_at_event(const struct run *run, const struct chosen_column *column,
+                                  size_t i, double *value, struct error *error)
 {
     const struct event_record *record = run_event_record(run, i);
     const struct sample sample = {
@@ -123,9 +123,10 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
                 record->t < d->window[0] || record->t > d->window[1])
                 continue;
             double y_value = 0;
-            if (!column_value(run, plot_is_plane(request->kind) ? &d->horizontal_column : &time, i,
-                              &x[seen], d->error) ||
-                !column_value(run, &d->column[c], i, &y_value, d->error))
+            if (!column_value_at_event(run,
+                                       plot_is_plane(request->kind) ? &d->horizontal_column : &time,
+                                       i, &x[seen], d->error) ||
+                !column_value_at_event(run, &d->column[c], i, &y_value, d->error))
                 return false;
             seen++;
             /* Return map: y belongs to the event after the one of x. */

@@ -29,7 +29,7 @@
 
 /* Returns the row examined in the stride that begins at i, at a pseudo-random place: an oscillation
  * could be in step with a regular one. */
-static size_t visited(size_t i, size_t stride)
+static size_t visited_row(size_t i, size_t stride)
 {
     const uint64_t mixed = (uint64_t)(i / stride) * 0x9E3779B97F4A7C15u >> 40;
     return i + (stride > 1 ? (size_t)(mixed % stride) : 0);
@@ -37,7 +37,8 @@ static size_t visited(size_t i, size_t stride)
 
 /* Computes the quantities whose maxima are searched: each variable and its negative and, for second
  * order, q v of the first coordinate and its negative. Returns their number. */
-static int extremes_of(const struct run *run, const double *y, double value[EXTREMES_MAX])
+static int compute_extreme_values(const struct run *run, const double *y,
+                                  double value[EXTREMES_MAX])
 {
     const int variables = run->system.n < VARIABLES_MAX ? run->system.n : VARIABLES_MAX;
     int count = 0;
@@ -69,18 +70,18 @@ static size_t row_insert(size_t *row, size_t n, size_t next)
  * v of the first coordinate, are least and largest. At these the positions, velocities and the
  * error of the energy have their extremes (the modified energy of a symplectic method differs by
  * terms in q v, q^2, v^2; Hairer, Lubich, Wanner IX.8). Returns their number. */
-static size_t choose_of_shared(const struct run *run, size_t begin, size_t end, size_t stride,
-                               size_t *chosen_row)
+static size_t choose_rows_of_share(const struct run *run, size_t begin, size_t end, size_t stride,
+                                   size_t *chosen_row)
 {
     size_t extreme_row[EXTREMES_MAX + 2];
     double best[EXTREMES_MAX], value[EXTREMES_MAX];
-    const int extremes = extremes_of(run, trace_state(run->trace, begin), best);
+    const int extremes = compute_extreme_values(run, trace_state(run->trace, begin), best);
     for (int e = 0; e <= extremes; e++)
         extreme_row[e] = begin;
     extreme_row[extremes + 1] = end - 1;
     for (size_t i = begin; i < end; i += stride) {
-        const size_t row = visited(i, stride) < end ? visited(i, stride) : end - 1;
-        extremes_of(run, trace_state(run->trace, row), value);
+        const size_t row = visited_row(i, stride) < end ? visited_row(i, stride) : end - 1;
+        compute_extreme_values(run, trace_state(run->trace, row), value);
         for (int e = 0; e < extremes; e++) {
             if (value[e] > best[e]) {
                 best[e] = value[e];
@@ -192,7 +193,8 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
         if (all)
             rows->row[rows->n++] = bucket_begin;
         else
-            rows->n += choose_of_shared(run, bucket_begin, bucket_end, stride, rows->row + rows->n);
+            rows->n +=
+                choose_rows_of_share(run, bucket_begin, bucket_end, stride, rows->row + rows->n);
     }
     if (rows->n > 0 && rows->row[rows->n - 1] < end - 1)
         rows->row[rows->n++] = end - 1;

@@ -49,7 +49,7 @@ int figure_recording(const struct session *session, enum plot_kind kind)
 /* Thins the velocities or energies of a recording that is being collected to GROWING_POINTS per
  * column, always at the same times, because their scatter would flicker. Overwrites the arrays of
  * the series. */
-static void thin_out(const struct drawing *d, struct series *series)
+static void thin_derivatives(const struct drawing *d, struct series *series)
 {
     const bool plane = plot_is_plane(d->request->kind);
     const double span = plane ? drawing_trail(d) * d->period : d->shown,
@@ -84,7 +84,7 @@ static bool recorded_values(struct drawing *d, const struct recording *recording
                        d->error))
         return false;
     if (d->request->follow && session_grows(d->session, recording))
-        thin_out(d, series);
+        thin_derivatives(d, series);
     return true;
 }
 
@@ -177,7 +177,8 @@ void drawing_put_delay(const struct drawing *d, struct buffer *text)
 
 /* Fills a series with the newest part of a recording that is being collected, twice as long as what
  * is drawn. Returns false with an error. */
-static bool recent_rows(struct drawing *d, const struct recording *recording, struct series *series)
+static bool read_recent_rows(struct drawing *d, const struct recording *recording,
+                             struct series *series)
 {
     struct recording part = *recording; /* its arrays are shared */
     const double trail = 2 * drawing_trail(d) * d->session->growing->steady,
@@ -194,7 +195,7 @@ bool drawing_find_motion(struct drawing *d, const struct recording *recording)
 {
     const bool grows = d->request->follow && session_grows(d->session, recording);
     struct series recent;
-    if (grows && !recent_rows(d, recording, &recent))
+    if (grows && !read_recent_rows(d, recording, &recent))
         return false;
     if (!series_tools()->motion(d->session, recording, grows ? &recent : NULL, kind_of(d)->energy,
                                 d->arena, &d->motion, d->error))

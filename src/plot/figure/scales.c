@@ -34,8 +34,8 @@ static struct extent find_extent(const struct drawing *d, bool vertical)
 }
 
 /* Returns false with an error if the user's range has a unit of another quantity than the axis. */
-static bool fits_axis(const struct drawing *d, const struct figure_range *range,
-                      const struct axis *axis, enum quantity quantity)
+static bool check_range_unit(const struct drawing *d, const struct figure_range *range,
+                             const struct axis *axis, enum quantity quantity)
 {
     if (range->quantity == QUANTITY_OTHER || range->quantity == quantity)
         return true;
@@ -49,15 +49,15 @@ static bool fits_axis(const struct drawing *d, const struct figure_range *range,
 /* Applies the range that was asked for to an axis; an open end is where the curves end, with a
  * margin. Returns false with an error if it is empty, not positive on a logarithmic axis, or of the
  * wrong quantity. */
-static bool fix_range(const struct drawing *d, bool vertical, enum quantity quantity,
-                      struct figure *figure)
+static bool apply_range(const struct drawing *d, bool vertical, enum quantity quantity,
+                        struct figure *figure)
 {
     const struct figure_range *range = vertical ? d->request->y : d->request->x;
     struct axis *axis = vertical ? &figure->y : &figure->x;
     const double air = axis->log || !(vertical || figure->plane) ? 0 : CURVE_MARGIN;
     if (!has_ends(range))
         return true;
-    if (!fits_axis(d, range, axis, quantity))
+    if (!check_range_unit(d, range, axis, quantity))
         return false;
     const struct extent extent = find_extent(d, vertical);
     axis->first_value = range->end[0];
@@ -78,7 +78,7 @@ static bool fix_range(const struct drawing *d, bool vertical, enum quantity quan
 
 bool drawing_ranges(const struct drawing *d, struct figure *figure, const enum quantity quantity[2])
 {
-    return fix_range(d, true, quantity[1], figure) && fix_range(d, false, quantity[0], figure);
+    return apply_range(d, true, quantity[1], figure) && apply_range(d, false, quantity[0], figure);
 }
 
 /* ---- curves of different size ---- */
@@ -115,7 +115,7 @@ static double min_size(const double *size, int n)
 
 /* Returns the size that separates small from large curves, at the widest gap between sizes, or 0 if
  * one axis can hold all. Curves at rest have size 0 and do not count. */
-static double parting_size(const double *size, int n)
+static double separating_size(const double *size, int n)
 {
     double max = 0, widest = 1, parting = 0;
     for (int i = 0; i < n; i++) {
@@ -155,8 +155,8 @@ static double panel_size(const struct drawing *d, bool x, int panel)
 
 /* Divides the curves between two panels: those larger than `parting` go to the second. Gives each
  * panel its own axes. Returns false if out of memory. */
-static bool part_panels(struct drawing *d, struct figure *figure, enum quantity x_quantity,
-                        enum quantity y_quantity, const double *size, double parting)
+static bool divide_panels(struct drawing *d, struct figure *figure, enum quantity x_quantity,
+                          enum quantity y_quantity, const double *size, double parting)
 {
     struct axis *second = arena_array(d->arena, 2, sizeof *second);
     if (!second)
@@ -185,7 +185,7 @@ static bool part_panels(struct drawing *d, struct figure *figure, enum quantity 
 
 /* Adds a note with the variation of an energy that is drawn from zero and therefore seems constant.
  * Returns false if out of memory. */
-static bool note_flat(struct drawing *d, struct figure *figure)
+static bool note_small_variation(struct drawing *d, struct figure *figure)
 {
     const struct extent extent = find_extent(d, true);
     const double varies = (extent.high - extent.low) / fmax(fabs(extent.low), fabs(extent.high));
@@ -220,11 +220,11 @@ bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantit
     const double *size = curve_sizes(d, figure);
     if (!size)
         return error_memory(d->error);
-    const double parting = parting_size(size, d->curves);
+    const double parting = separating_size(size, d->curves);
     if (!(parting > 0))
-        return note_flat(d, figure);
+        return note_small_variation(d, figure);
     if (!is_positive(d, quantity[1]))
-        return part_panels(d, figure, quantity[0], quantity[1], size, parting);
+        return divide_panels(d, figure, quantity[0], quantity[1], size, parting);
     figure->y.log = true;
     figure->y.min = DECADES_LEFT * min_size(size, d->curves);
     return true;

@@ -35,8 +35,8 @@ struct study {
 };
 
 /* Returns true if a row belongs to a layer and, unless name is NULL, to the curve of this name. */
-static bool row_is_in(const struct study *s, const struct study_layer *layer, const char *name,
-                      size_t row)
+static bool row_belongs_to_curve(const struct study *s, const struct study_layer *layer,
+                                 const char *name, size_t row)
 {
     return (!layer->part || (s->part && strcmp(s->part->text[row], layer->part) == 0)) &&
            (!name || strcmp(s->key_column->text[row], name) == 0);
@@ -51,7 +51,7 @@ static const char *curve_label(const struct study *s, const struct study_layer *
     struct buffer text = {0};
     size_t row = 0;
     while (value && row < s->table->rows &&
-           !(row_is_in(s, layer, name, row) && isfinite(row_value(value, row))))
+           !(row_belongs_to_curve(s, layer, name, row) && isfinite(row_value(value, row))))
         row++;
     buffer_put(&text, text_of(name ? name : ""));
     if (value && row < s->table->rows)
@@ -78,7 +78,7 @@ static bool add_layer_curve(struct study *s, const struct study_layer *layer, co
     if (!x_of)
         return error_memory(d->error);
     for (size_t row = 0; row < s->table->rows; row++) {
-        if (!row_is_in(s, layer, name, row))
+        if (!row_belongs_to_curve(s, layer, name, row))
             continue;
         x_of[n] = row_value(s->x, row);
         y_of[n] = row_value(y, row);
@@ -176,7 +176,7 @@ static bool heat_axis_of(struct study *s, const struct table_column *column, str
 }
 
 /* Returns the index of a value on an axis of the map, or the axis's count if it is not on it. */
-static size_t place_on(const struct heat_axis *axis, double value)
+static size_t heat_point_index(const struct heat_axis *axis, double value)
 {
     const double *position =
         bsearch(&value, axis->value, (size_t)axis->count, sizeof value, compare_values);
@@ -185,7 +185,7 @@ static size_t place_on(const struct heat_axis *axis, double value)
 
 /* Returns an axis that reaches from the outer edge of the first point to that of the last,
  * logarithmic if the points are more evenly spaced that way. */
-static struct axis edged_axis(struct heat_axis *places, enum quantity quantity)
+static struct axis heat_outer_axis(struct heat_axis *places, enum quantity quantity)
 {
     const double low = places->value[0], high = places->value[places->count - 1],
                  middle = places->value[places->count / 2],
@@ -229,8 +229,8 @@ static bool draw_shades(struct study *s, struct figure *figure)
     for (size_t i = 0; i < cells; i++)
         value[i] = NAN;
     for (size_t row = 0; row < s->table->rows; row++) {
-        const size_t i = place_on(&heat->x, row_value(s->x, row)),
-                     k = place_on(&heat->y, row_value(y, row));
+        const size_t i = heat_point_index(&heat->x, row_value(s->x, row)),
+                     k = heat_point_index(&heat->y, row_value(y, row));
         if (i < (size_t)heat->x.count && k < (size_t)heat->y.count)
             value[i * (size_t)heat->y.count + k] = row_value(shade, row);
         if (isfinite(row_value(shade, row)))
@@ -243,8 +243,8 @@ static bool draw_shades(struct study *s, struct figure *figure)
     heat->factor = scale.factor;
     figure->heat = heat;
     figure->plane = true;
-    figure->x = edged_axis(&heat->x, column_quantity(s->x));
-    figure->y = edged_axis(&heat->y, column_quantity(y));
+    figure->x = heat_outer_axis(&heat->x, column_quantity(s->x));
+    figure->y = heat_outer_axis(&heat->y, column_quantity(y));
     return true;
 }
 

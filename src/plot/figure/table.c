@@ -47,8 +47,8 @@ enum quantity column_quantity(const struct table_column *column)
 
 /* Returns the axis of a column: logarithmic if its values are positive and their ratio exceeds
  * `ratio`, unless the user's range (`wanted`, or NULL) begins at 0 or below. */
-static struct axis axis_of(const struct table_column *column, size_t rows, double decades,
-                           const struct figure_range *wanted)
+static struct axis column_axis(const struct table_column *column, size_t rows, double decades,
+                               const struct figure_range *wanted)
 {
     struct axis axis = {.label = column->name, .unit = column->unit};
     double low = HUGE_VAL, high = 0, size = 0;
@@ -69,7 +69,7 @@ static struct axis axis_of(const struct table_column *column, size_t rows, doubl
 /* ---- curves ---- */
 
 /* Returns the index of a row's group, which is added if it is new, or -1 if there are too many. */
-static int group_of(const char *const *value, int *count, const char *group[GROUPS_MAX])
+static int group_index(const char *const *value, int *count, const char *group[GROUPS_MAX])
 {
     for (int g = 0; g < *count; g++)
         if (strcmp(group[g], *value) == 0)
@@ -90,7 +90,7 @@ static const struct table_column *find_groups(const struct table *table, int *co
         bool few = column->text;
         *count = 0;
         for (size_t i = 0; i < table->rows && few; i++)
-            few = group_of(&column->text[i], count, group) >= 0;
+            few = group_index(&column->text[i], count, group) >= 0;
         if (few && *count > 1)
             return column;
     }
@@ -173,9 +173,9 @@ bool drawing_table(struct drawing *d, struct figure *figure)
     *figure = (struct figure){.title = request->title,
                               .curve = d->curve,
                               .curves = d->curves,
-                              .y = axis_of(first, table->rows, LOG_AXIS_RATIO, request->y)};
+                              .y = column_axis(first, table->rows, LOG_AXIS_RATIO, request->y)};
     figure->y.log |= request->log;
     figure->x =
-        axis_of(x, table->rows, figure->y.log ? LOG_BOTH_RATIO : LOG_AXIS_RATIO, request->x);
+        column_axis(x, table->rows, figure->y.log ? LOG_BOTH_RATIO : LOG_AXIS_RATIO, request->x);
     return drawing_ranges(d, figure, (enum quantity[]){column_quantity(x), column_quantity(first)});
 }

@@ -39,7 +39,7 @@ double run_rhythm(const struct run *run)
 }
 
 /* Finds the first and the last time [s] of what the plot shows. */
-static void span_of(const struct drawing *d, double *t_begin, double *t_end)
+static void find_time_span(const struct drawing *d, double *t_begin, double *t_end)
 {
     *t_begin = HUGE_VAL;
     *t_end = -HUGE_VAL;
@@ -60,7 +60,7 @@ static void span_of(const struct drawing *d, double *t_begin, double *t_end)
 
 /* Shortens a length to one whose quarters are short numbers, too, so that the labels of a window
  * look the same on each of its pages. */
-static double short_number(double length)
+static double short_length_below(double length)
 {
     static const double digits[] = {8, 6, 4, 3.2, 2.4, 2, 1.6, 1.2, 1};
     const double unit = pow(10, floor(log10(length)));
@@ -80,7 +80,7 @@ static double longest_window(const struct drawing *d)
     const int columns =
         request->width > 2 * FRAME_COLUMNS ? request->width - FRAME_COLUMNS : FRAME_COLUMNS;
     const double max = kind_of(d)->periods || !request->alone ? d->period * columns / each : NAN;
-    return d->total > max && isnormal(max) ? short_number(max) : max;
+    return d->total > max && isnormal(max) ? short_length_below(max) : max;
 }
 
 double drawing_trail(const struct drawing *d)
@@ -122,7 +122,7 @@ bool run_goes_back(const struct run *run)
 }
 
 /* Returns true if the first run, whose newest part a view shows, goes backwards in time. */
-static bool goes_back(const struct drawing *d)
+static bool first_run_goes_back(const struct drawing *d)
 {
     return d->request->runs > 0 && run_goes_back(d->session->runs.slot[d->request->run[0]]->run);
 }
@@ -132,20 +132,20 @@ static bool goes_back(const struct drawing *d)
 static void follow_window(struct drawing *d, double t_begin, double t_end, double now, double max)
 {
     const double turn = max / (d->request->pages > 0 ? d->request->pages : 1);
-    const double passed = goes_back(d) ? t_end - now : now - t_begin;
+    const double passed = first_run_goes_back(d) ? t_end - now : now - t_begin;
     const double moved = turn * fmax(0, ceil((passed - max) / turn - 1e-6));
-    d->window[0] = goes_back(d) ? t_end - moved - max : t_begin + moved;
+    d->window[0] = first_run_goes_back(d) ? t_end - moved - max : t_begin + moved;
     d->window[1] = d->window[0] + max;
 }
 
 /* Returns the smallest length [s] with short quarters that is at least `length`, or half as long
  * again at most. */
-static double short_above(double length)
+static double short_length_above(double length)
 {
     double longer = length;
-    for (int i = 0; i < 4 && short_number(longer) < length; i++)
+    for (int i = 0; i < 4 && short_length_below(longer) < length; i++)
         longer *= 1.25;
-    return short_number(longer);
+    return short_length_below(longer);
 }
 
 /* Chooses the window of a recording that is being collected. If the longest useful window or the
@@ -157,7 +157,8 @@ static void growing_window(struct drawing *d, double t_begin, double t_end, doub
                  whole = t_final > t_begin ? t_final - t_begin : NAN;
     const double length = d->request->span > 0 ? max : fmin(fmin(whole, max), HUGE_VAL);
     follow_window(d, t_begin, t_end, t_end,
-                  isfinite(length) ? length : short_above(fmax(t_end - t_begin, GROWING_LEAST)));
+                  isfinite(length) ? length
+                                   : short_length_above(fmax(t_end - t_begin, GROWING_LEAST)));
 }
 
 /* Chooses the window of the drawing: that of the other plots, that of the request, the trail of a
@@ -173,10 +174,10 @@ void drawing_window(struct drawing *d)
         d->total = request->shared->total;
         return;
     }
-    span_of(d, &t_begin, &t_end);
+    find_time_span(d, &t_begin, &t_end);
     const bool wanted = !isnan(request->window[0]) || !isnan(request->window[1]),
                plane = plot_is_plane(request->kind);
-    const double now = goes_back(d) ? t_begin : t_end;
+    const double now = first_run_goes_back(d) ? t_begin : t_end;
     const bool grows = request->runs == 0 && session_grows(d->session, recording_of(d));
     if (request->follow && !plane) {
         t_begin = fmin(t_begin, request->t_end);
@@ -188,7 +189,7 @@ void drawing_window(struct drawing *d)
     const double trail = drawing_trail(d) * d->period,
                  max = request->span > 0 ? request->span : longest_window(d);
     if (plane && !wanted && !request->full && trail < d->total) {
-        d->window[0] = goes_back(d) ? t_begin : t_end - trail;
+        d->window[0] = first_run_goes_back(d) ? t_begin : t_end - trail;
         if (grows) /* moves only after a whole trail, so that the curve stays meanwhile */
             d->window[0] = t_begin + floor((d->window[0] - t_begin) / trail) * trail;
         d->window[1] = grows ? t_end : d->window[0] + trail;
@@ -206,7 +207,7 @@ void drawing_window(struct drawing *d)
 }
 
 /* Returns the period [s] of the first run or, without a run, of the recording; NAN if unknown. */
-static double window_rhythm(const struct drawing *d)
+static double drawing_period(const struct drawing *d)
 {
     const struct recording *recording = recording_of(d);
     struct series series;
@@ -226,7 +227,7 @@ bool session_window(const struct session *session, const struct figure_request *
     struct drawing d = {.session = session, .request = request, .arena = arena};
     if (request->runs == 0 && request->recording < 0)
         return false;
-    d.period = window_rhythm(&d);
+    d.period = drawing_period(&d);
     drawing_window(&d);
     *window = (struct figure_window){time_axis(d.window), d.shown, d.total};
     return d.window[0] < d.window[1];

@@ -23,7 +23,7 @@
 static bool utf8;
 
 /* Returns the locale that the environment names, or "C". */
-static const char *wished(void)
+static const char *environment_locale(void)
 {
     static const char *const variable[] = {"LC_ALL", "LC_CTYPE", "LANG"};
     for (size_t i = 0; i < COUNT_OF(variable); i++) {
@@ -43,7 +43,7 @@ char *__wrap_setlocale(int category, const char *name)
     if (category != LC_CTYPE && category != LC_ALL)
         return plain;
     if (name) {
-        name = *name ? name : wished();
+        name = *name ? name : environment_locale();
         utf8 = strcasestr(name, "UTF-8") || strcasestr(name, "UTF8");
     }
     return utf8 ? unicode : plain;

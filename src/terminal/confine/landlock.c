@@ -61,7 +61,7 @@ int confine_version(void)
 
 /* Adds a rule that allows these rights beneath a path. A path that does not exist needs none.
  * Returns false with errno set if the kernel refuses it. */
-static bool allow(int rules, const char *path, uint64_t allowed)
+static bool allow_beneath(int rules, const char *path, uint64_t allowed)
 {
     struct beneath beneath = {.allowed = allowed};
     beneath.folder = open(path, O_PATH | O_CLOEXEC);
@@ -80,9 +80,9 @@ static bool allow_all(int rules, uint64_t writing, const char *const *folder, in
     static const char *const devices[] = {"/dev/null", "/dev/tty"};
     bool ok = true;
     for (int i = 0; ok && i < folders; i++)
-        ok = !folder[i] || allow(rules, folder[i], writing);
+        ok = !folder[i] || allow_beneath(rules, folder[i], writing);
     for (size_t i = 0; ok && i < COUNT_OF(devices); i++)
-        ok = allow(rules, devices[i], WRITE_FILE);
+        ok = allow_beneath(rules, devices[i], WRITE_FILE);
     return ok;
 }
 

@@ -47,8 +47,8 @@ static double median_slope(const struct arrivals *a, const double *place, double
 }
 
 /* Returns by how much [s] line i arrives after the straight line. */
-static double delay(const struct arrivals *a, const double *place, struct arrival_line line,
-                    size_t i)
+static double line_delay(const struct arrivals *a, const double *place, struct arrival_line line,
+                         size_t i)
 {
     return a->arrival[i] - line.intercept - line.interval * place[i];
 }
@@ -59,13 +59,13 @@ static void least_squares(const struct arrivals *a, const double *place, double 
 {
     double x = 0, y = 0, xx = 0, xy = 0, n = 0;
     for (size_t i = 0; i < a->n; i++)
-        if (fabs(delay(a, place, *line, i)) <= limit) {
+        if (fabs(line_delay(a, place, *line, i)) <= limit) {
             n++;
             x += (place[i] - x) / n;
             y += (a->arrival[i] - y) / n;
         }
     for (size_t i = 0; i < a->n; i++)
-        if (fabs(delay(a, place, *line, i)) <= limit) {
+        if (fabs(line_delay(a, place, *line, i)) <= limit) {
             xx += (place[i] - x) * (place[i] - x);
             xy += (place[i] - x) * (a->arrival[i] - y);
         }
@@ -74,7 +74,7 @@ static void least_squares(const struct arrivals *a, const double *place, double 
 }
 
 /* Returns the number of lines in a block, smaller if there are few lines. */
-static size_t block_of(const struct arrivals *a)
+static size_t block_size(const struct arrivals *a)
 {
     const size_t most = a->n / (2 * BLOCKS_MIN);
     if (most > BLOCK)
@@ -83,19 +83,19 @@ static size_t block_of(const struct arrivals *a)
 }
 
 /* Returns the smallest delay [s] in a block. */
-static double smallest(const struct arrivals *a, const double *place, struct arrival_line line,
-                       size_t block)
+static double smallest_delay(const struct arrivals *a, const double *place,
+                             struct arrival_line line, size_t block)
 {
     double least = HUGE_VAL;
-    const size_t each = block_of(a);
+    const size_t each = block_size(a);
     for (size_t i = block * each; i < (block + 1) * each && i < a->n; i++)
-        least = fmin(least, delay(a, place, line, i));
+        least = fmin(least, line_delay(a, place, line, i));
     return least;
 }
 
 /* Returns true if lines arrive in groups. Then the smallest of their delays may change by one
  * interval. */
-static bool several_at_once(const struct arrivals *a, struct arrival_line line)
+static bool arrive_in_groups(const struct arrivals *a, struct arrival_line line)
 {
     size_t at_once = 0;
     for (size_t i = 1; i < a->n; i++)
@@ -104,7 +104,7 @@ static bool several_at_once(const struct arrivals *a, struct arrival_line line)
 }
 
 /* Returns true if the collection was paused at this line or a neighbour. */
-static bool pauses(const struct arrivals *a, size_t line)
+static bool is_near_pause(const struct arrivals *a, size_t line)
 {
     return a->pause && (a->pause[line] || (line > 0 && a->pause[line - 1]) ||
                         (line + 1 < a->n && a->pause[line + 1]));
@@ -116,25 +116,26 @@ static bool pauses(const struct arrivals *a, size_t line)
 static size_t find_lost(const struct arrivals *a, struct arrival_line line, double *place,
                         double *scratch, size_t *lost)
 {
-    const size_t each = block_of(a), blocks = a->n / each;
+    const size_t each = block_size(a), blocks = a->n / each;
     size_t moved = 0, n = 0;
     if (a->counted || blocks < BLOCKS_MIN)
         return 0;
     for (size_t k = 1; k < blocks; k++)
-        scratch[n++] = fabs(smallest(a, place, line, k) - smallest(a, place, line, k - 1));
-    const double least = several_at_once(a, line) ? 1 + STEP_MIN : STEP_MIN;
+        scratch[n++] =
+            fabs(smallest_delay(a, place, line, k) - smallest_delay(a, place, line, k - 1));
+    const double least = arrive_in_groups(a, line) ? 1 + STEP_MIN : STEP_MIN;
     const double usual = STEP_SIGMAS * MAD_TO_SIGMA * values_quantile(scratch, n, 0.5);
-    double previous = smallest(a, place, line, 0), lost_time = 0;
+    double previous = smallest_delay(a, place, line, 0), lost_time = 0;
     memset(scratch, 0, each * sizeof *scratch);
     for (size_t k = 1; k < blocks; k++) {
-        const double now = smallest(a, place, line, k) - lost_time, step = now - previous;
+        const double now = smallest_delay(a, place, line, k) - lost_time, step = now - previous;
         const bool steps = step > usual && step > least * line.interval;
         /* smallest rise in the blocks that follow: lines that were only delayed arrive in time
          * again */
         double remaining_rise = k + 1 < blocks || !steps ? HUGE_VAL : step;
         for (size_t j = k + 1; steps && j < blocks && j <= k + AHEAD; j++)
             remaining_rise =
-                fmin(remaining_rise, smallest(a, place, line, j) - lost_time - previous);
+                fmin(remaining_rise, smallest_delay(a, place, line, j) - lost_time - previous);
         const double whole = nearbyint(remaining_rise / line.interval);
         if (!steps || whole < 1) {
             previous = steps ? previous : fmin(now, previous + usual);
@@ -145,13 +146,13 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
         size_t first = k * each;
         /* the step begins after the last line that came without delay */
         const double half = previous + lost_time + 0.5 * whole * line.interval;
-        while (delay(a, place, line, first) < half && first + 1 < (k + 1) * each)
+        while (line_delay(a, place, line, first) < half && first + 1 < (k + 1) * each)
             first++;
-        while (first > (k - 1) * each && delay(a, place, line, first - 1) > half)
+        while (first > (k - 1) * each && line_delay(a, place, line, first - 1) > half)
             first--;
         lost_time += whole * line.interval;
         moved += (size_t)whole;
-        *lost += pauses(a, first) ? 0 : (size_t)whole;
+        *lost += is_near_pause(a, first) ? 0 : (size_t)whole;
         for (size_t i = k * each; i < first; i++)
             scratch[i] = lost_time / line.interval - whole;
         for (size_t i = first; i < (k + 1) * each; i++)
@@ -164,14 +165,14 @@ static size_t find_lost(const struct arrivals *a, struct arrival_line line, doub
 
 /* Returns the robust standard deviation [s] of the delays, or of means of `each` successive ones.
  */
-static double scatter(const struct arrivals *a, const double *place, struct arrival_line line,
-                      size_t each, double *scratch)
+static double delay_scatter(const struct arrivals *a, const double *place, struct arrival_line line,
+                            size_t each, double *scratch)
 {
     size_t n = 0;
     for (size_t i = 0; i + each <= a->n; i += each) {
         double mean = 0;
         for (size_t k = i; k < i + each; k++)
-            mean += delay(a, place, line, k) / (double)each;
+            mean += line_delay(a, place, line, k) / (double)each;
         scratch[n++] = mean;
     }
     const double middle = values_quantile(scratch, n, 0.5);
@@ -207,25 +208,26 @@ bool arrival_times(const struct arrivals *a, struct arena *arena, struct collect
             break;
     }
     for (size_t i = 0; i < n; i++)
-        scratch[i] = delay(a, place, line, i);
+        scratch[i] = line_delay(a, place, line, i);
     line.intercept += values_quantile(scratch, n, 0.5);
     least_squares(a, place,
-                  LATE_LINE_SIGMAS * scatter(a, place, line, 1, scratch) + ARRIVAL_ROUNDING_SECONDS,
+                  LATE_LINE_SIGMAS * delay_scatter(a, place, line, 1, scratch) +
+                      ARRIVAL_ROUNDING_SECONDS,
                   &line);
     if (!(line.interval > 0))
         return true;
     const size_t each = n / (4 * BLOCKS_MIN) > 0 ? n / (4 * BLOCKS_MIN) : 1, blocks = n / each;
-    collected->jitter = scatter(a, place, line, 1, scratch);
-    const double means = scatter(a, place, line, each, scratch);
+    collected->jitter = delay_scatter(a, place, line, 1, scratch);
+    const double means = delay_scatter(a, place, line, each, scratch);
     for (size_t i = 0; i < n; i++)
-        collected->largest = fmax(collected->largest, fabs(delay(a, place, line, i)));
+        collected->largest = fmax(collected->largest, fabs(line_delay(a, place, line, i)));
     if (each > 1 && means > BLOCK_SCATTER_MAX * collected->jitter &&
         collected->jitter > 0.5 * line.interval) {
         collected->lost = a->counted ? collected->lost : 0;
         return true;
     }
     collected->clock = CLOCK_ARRIVAL;
-    collected->lost_known |= n >= 2 * BLOCKS_MIN && !several_at_once(a, line);
+    collected->lost_known |= n >= 2 * BLOCKS_MIN && !arrive_in_groups(a, line);
     const double spread = fmax(means, collected->jitter / sqrt((double)each)),
                  of_interval = spread * sqrt(12 / (double)blocks) / (place[n - 1] - place[0]);
     collected->rate =

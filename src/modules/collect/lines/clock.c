@@ -104,8 +104,8 @@ static bool continues_from(const struct arrivals *a, const double *v, size_t ind
 }
 
 /* Returns the step [count] between the last stamp and the first after a new start. */
-static double step_over(double was, double now, double passed, const struct clock_steps *steps,
-                        bool *wrapped)
+static double step_across_restart(double was, double now, double passed,
+                                  const struct clock_steps *steps, bool *wrapped)
 {
     const double most = fmax(2 * passed, 0) + GARBLED_STEPS * steps->usual;
     for (size_t i = 0; i < COUNT_OF(full); i++) {
@@ -132,7 +132,7 @@ static bool is_sawtooth(const double *v, size_t n, const struct clock_steps *ste
         bool wrapped = false;
         if (!(v[i] < v[i - 1]))
             continue;
-        step_over(v[i - 1], v[i], 0, steps, &wrapped);
+        step_across_restart(v[i - 1], v[i], 0, steps, &wrapped);
         if (wrapped)
             return false;
         low = fmin(low, v[i]);
@@ -190,7 +190,8 @@ bool clock_mend(const struct arrivals *a, bool trusted, struct arena *arena, dou
         if (now < was && is_clock) {
             bool wrapped = false;
             const double passed = pace * (a->arrival[i] - a->arrival[last]);
-            offset += was - now + step_over(was, now, passed > 0 ? passed : 0, &steps, &wrapped);
+            offset += was - now +
+                      step_across_restart(was, now, passed > 0 ? passed : 0, &steps, &wrapped);
             mended->starts += wrapped ? 0 : 1;
             mended->wraps += wrapped ? 1 : 0;
             mended->is_restart[i] = !wrapped;

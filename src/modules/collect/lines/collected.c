@@ -133,8 +133,8 @@ static const struct unit *clock_unit(struct recording *recording, double pace)
 
 /* Collects the arrivals of the lines that became rows of the recording. Returns false if out of
  * memory. */
-static bool lines_of(const struct recording *recording, const struct collected_text *lines,
-                     struct arena *arena, struct arrivals *result)
+static bool collect_arrivals(const struct recording *recording, const struct collected_text *lines,
+                             struct arena *arena, struct arrivals *result)
 {
     const size_t n = recording->rows;
     double *arrival = arena_array(arena, n + 1, sizeof *arrival),
@@ -152,8 +152,8 @@ static bool lines_of(const struct recording *recording, const struct collected_t
 
 /* Takes the numbers of the lines from a counter of the device, whose gaps are lost lines. Returns
  * false if out of memory. */
-static bool count_by(const struct arrivals *a, const double *counter, struct arena *arena,
-                     struct collected *collected, struct arrivals *counted)
+static bool number_by_counter(const struct arrivals *a, const double *counter, struct arena *arena,
+                              struct collected *collected, struct arrivals *counted)
 {
     double *order = arena_array(arena, a->n + 1, sizeof *order);
     double previous_order = 0;
@@ -277,7 +277,7 @@ static bool choose_columns(struct recording *recording, const struct collected_t
 {
     struct error none = {0};
     struct arrivals arrivals, counted;
-    if (!lines_of(recording, lines, arena, &arrivals) ||
+    if (!collect_arrivals(recording, lines, arena, &arrivals) ||
         !mend_clocks(recording, &arrivals, options->time_unit != NULL, arena, mended))
         return error_memory(error);
     bool chosen = recording_choose(recording, options, &none);
@@ -303,8 +303,8 @@ static bool choose_columns(struct recording *recording, const struct collected_t
         return chosen && place_by_rate(recording, &arrivals, options->rate, collected, arena) &&
                recording_time(recording, options, error);
     }
-    if ((counter >= 0 &&
-         !count_by(&arrivals, recording->column[counter].value, arena, collected, &counted)) ||
+    if ((counter >= 0 && !number_by_counter(&arrivals, recording->column[counter].value, arena,
+                                            collected, &counted)) ||
         !add_arrivals(recording, counter >= 0 ? &counted : &arrivals, collected, arena))
         return error_memory(error);
     options->time_unit = NULL;
@@ -323,7 +323,7 @@ static bool count_lost(const struct recording *recording, const struct collected
     struct arrivals arrivals;
     double *scratch = arena_array(arena, recording->rows + 1, sizeof *scratch);
     bool *is_restart = arena_array(arena, recording->rows + 1, sizeof *is_restart);
-    if (!scratch || !is_restart || !lines_of(recording, lines, arena, &arrivals))
+    if (!scratch || !is_restart || !collect_arrivals(recording, lines, arena, &arrivals))
         return false;
     for (size_t i = 0, row = 0; mended->is_restart && i < recording->rows; i++) {
         for (; row < rows && line[row] < recording->line[i]; row++)

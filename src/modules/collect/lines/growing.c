@@ -95,8 +95,8 @@ void recording_join_clock(struct recording *more, uint32_t line, double t)
 
 /* Updates what is known of the growing recording from its newest part; its window follows its end
  * unless the user has set another. */
-static void tell_times(struct lengthening *growth, struct recording *recording,
-                       const struct recording *more, double end)
+static void update_known_times(struct lengthening *growth, struct recording *recording,
+                               const struct recording *more, double end)
 {
     const struct text statement = growth->known->statement;
     *growth->known = *more->collected;
@@ -153,7 +153,7 @@ bool recording_grow(struct recording *recording, struct lengthening *growth, str
     growth->last_row = row - 1;
     growth->line = more->line[more->rows - 1];
     growth->t = more->t[more->rows - 1];
-    tell_times(growth, recording, more, end);
+    update_known_times(growth, recording, more, end);
     rows_thin(growth, recording);
     return true;
 }

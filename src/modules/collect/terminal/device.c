@@ -88,8 +88,8 @@ static bool make_raw(struct device *device, const char *path, long baud, struct 
 
 /* Checks and locks the opened source and, if it is a terminal, sets its modes. Returns false with
  * an error. */
-static bool prepare(struct device *device, const char *path, long baud, bool safe,
-                    struct error *error)
+static bool prepare_source(struct device *device, const char *path, long baud, bool safe,
+                           struct error *error)
 {
     struct stat st;
     if (fstat(device->fd, &st) != 0)
@@ -130,7 +130,7 @@ bool device_open(struct device *device, const char *path, long baud, bool safe, 
             hint_group(path, error);
         return false;
     }
-    if (prepare(device, path, baud, safe, error))
+    if (prepare_source(device, path, baud, safe, error))
         return true;
     device_close(device);
     return false;

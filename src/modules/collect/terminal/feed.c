@@ -69,7 +69,7 @@ static void feed_finish(struct feed *feed, enum feed_end how, const char *failur
 
 /* Appends the complete lines to the file, and synchronises it with the disk if `sync` is set or
  * that is due. */
-static void flush(struct feed *feed, int64_t now, bool sync)
+static void write_lines(struct feed *feed, int64_t now, bool sync)
 {
     struct error error = {0};
     sync = sync || now - feed->synced >= SYNC_NS;
@@ -92,7 +92,7 @@ static void flush(struct feed *feed, int64_t now, bool sync)
 
 /* Adds the incomplete line, which is complete now, to the lines to be written. `cut` marks it as
  * garbled. */
-static void take_line(struct feed *feed, double arrival, bool cut)
+static void complete_line(struct feed *feed, double arrival, bool cut)
 {
     if (cut)
         buffer_put(&feed->part, TEXT("\\..."));
@@ -113,7 +113,7 @@ static void take_line(struct feed *feed, double arrival, bool cut)
 }
 
 /* Splits received bytes into lines; during a pause they are dropped. Ends the feed after t_end. */
-static void take_bytes(struct feed *feed, struct text piece, int64_t now)
+static void split_bytes(struct feed *feed, struct text piece, int64_t now)
 {
     const double arrival = seconds_of(feed, now);
     pthread_mutex_lock(&feed->lock);
@@ -137,7 +137,7 @@ static void take_bytes(struct feed *feed, struct text piece, int64_t now)
         buffer_put(&feed->part, (struct text){piece.data + begin, len < room ? len : room});
         begin = i + 1;
         if (ends && feed->part.len > 0)
-            take_line(feed, arrival, feed->half);
+            complete_line(feed, arrival, feed->half);
         feed->half &= !ends;
         if (feed->look.end == FEED_FULL)
             return;
@@ -152,7 +152,7 @@ static bool read_some(struct feed *feed)
     const int64_t now = clock_ns();
     if (got > 0) {
         feed->half |= feed->look.bytes == 0 && feed->device.serial && now - feed->begun < HALF_NS;
-        take_bytes(feed, (struct text){piece, (size_t)got}, now);
+        split_bytes(feed, (struct text){piece, (size_t)got}, now);
         return feed->look.end == FEED_GOES_ON;
     }
     if (got < 0 && (errno == EAGAIN || errno == EINTR))
@@ -200,11 +200,11 @@ static void *feed_thread_run(void *context)
         }
         const int64_t now = clock_ns();
         if (now - feed->flushed >= GATHER_NS)
-            flush(feed, now, false);
+            write_lines(feed, now, false);
     }
     if (feed->part.len > 0 && feed->look.end == FEED_ENDED)
-        take_line(feed, seconds_of(feed, clock_ns()), true);
-    flush(feed, clock_ns(), true);
+        complete_line(feed, seconds_of(feed, clock_ns()), true);
+    write_lines(feed, clock_ns(), true);
     pthread_mutex_lock(&feed->lock);
     feed->look.unwritten = feed->count;
     pthread_mutex_unlock(&feed->lock);
@@ -214,7 +214,7 @@ static void *feed_thread_run(void *context)
 /* ---- for the session ---- */
 
 /* Closes everything and frees the feed. */
-static void destroy(struct feed *feed)
+static void feed_destroy(struct feed *feed)
 {
     device_close(&feed->device);
     for (int i = 0; i < 2; i++)
@@ -229,7 +229,7 @@ static void destroy(struct feed *feed)
 }
 
 /* Starts the thread with all signals blocked. Returns 0, or the errno of pthread_create(). */
-static int start(struct feed *feed)
+static int start_thread(struct feed *feed)
 {
     sigset_t all, old_mask;
     sigfillset(&all);
@@ -257,17 +257,17 @@ static struct feed *open_feed(const struct feed_request *request, struct error *
     pthread_mutex_init(&feed->lock, NULL);
     bool ok = device_open(&feed->device, request->source, request->baud, request->safe, error);
     feed->begun = feed->flushed = feed->synced = clock_ns();
-    if (ok && (pipe2(feed->wake, O_CLOEXEC) != 0 || start(feed) != 0))
+    if (ok && (pipe2(feed->wake, O_CLOEXEC) != 0 || start_thread(feed) != 0))
         ok = error_set(error, ERROR_IO, "a thread for collecting could not be started: %s",
                        strerror(errno));
     if (ok)
         return feed;
-    destroy(feed);
+    feed_destroy(feed);
     return NULL;
 }
 
 /* Copies the state of the feed. */
-static void look_at(struct feed *feed, struct feed_look *look)
+static void feed_look_at(struct feed *feed, struct feed_look *look)
 {
     pthread_mutex_lock(&feed->lock);
     *look = feed->look;
@@ -298,20 +298,20 @@ static void close_feed(struct feed *feed, struct feed_look *look)
     const ssize_t ignored = write(feed->wake[1], "", 1);
     (void)ignored;
     pthread_join(feed->thread, NULL);
-    look_at(feed, look);
-    destroy(feed);
+    feed_look_at(feed, look);
+    feed_destroy(feed);
 }
 
 /* Clears a Ctrl-C that has ended the collection. */
-static void heeded(void)
+static void clear_interrupt(void)
 {
     if (!signals_ending())
         atomic_store(&interrupt.requested, 0);
 }
 
 const struct feed_access sensor_feed = {.open = open_feed,
-                                        .look = look_at,
+                                        .look = feed_look_at,
                                         .pause = pause_feed,
                                         .limit = limit_feed,
                                         .close = close_feed,
-                                        .heeded = heeded};
+                                        .heeded = clear_interrupt};

@@ -64,18 +64,18 @@ static bool read_number(struct text value, enum quantity quantity, double *si)
 }
 
 /* Sink function for errors of the session's commands. */
-static bool complain(void *context, struct text text)
+static bool write_sensor_error(void *context, struct text text)
 {
     (void)context;
     return fwrite(text.data, 1, text.len, stderr) == text.len;
 }
 
 /* Executes a command of the session. Returns false after a message. */
-static bool execute(struct session *session, const char *command, struct text rest)
+static bool execute_command(struct session *session, const char *command, struct text rest)
 {
     struct buffer line = {0};
     struct reply reply;
-    reply_init(&reply, (struct sink){sink_nothing, complain, NULL});
+    reply_init(&reply, (struct sink){sink_nothing, write_sensor_error, NULL});
     buffer_put(&line, text_of(command));
     buffer_put(&line, rest);
     const bool ok = command_exec(session, buffer_text(&line), NULL, &reply);
@@ -120,14 +120,14 @@ static bool take_word(struct session *session, struct sensor *sensor, struct tex
                 ok = true;
             }
     } else {
-        return execute(session, "", word);
+        return execute_command(session, "", word);
     }
     return ok || word_refuse(word, "that value is not possible (rate=100 noise=0.03cm seed=1 "
                                    "for=10s time=ms|s|none quirks=on|off silent=2s)");
 }
 
 /* Returns a random number of the standard normal distribution. */
-static double normal(uint64_t *state)
+static double random_normal(uint64_t *state)
 {
     const double size = sqrt(-2 * log(1 - random_fraction(state))); /* Box, Muller 1958 */
     return size * cos(2 * M_PI * random_fraction(state));
@@ -139,7 +139,7 @@ static bool simulation_begin(struct session *session, const char *const *word, i
                              struct sensor *sensor)
 {
     struct error error = {0};
-    if (!execute(session, "scene ", text_of(word[0])))
+    if (!execute_command(session, "scene ", text_of(word[0])))
         return false;
     struct system system;
     if (!scene_bind_motion(&session->setup.scene, &system, &error)) {
@@ -176,10 +176,10 @@ static bool wait_until(int64_t due)
 }
 
 /* Appends the line of a sample: time stamp and noisy value, with the sensor's faults. */
-static void put_line(struct sensor *sensor, double t, double y, struct buffer *line)
+static void put_sample_line(struct sensor *sensor, double t, double y, struct buffer *line)
 {
     const double shown =
-        (y + sensor->noise * normal(&sensor->seed)) * sensor->scale +
+        (y + sensor->noise * random_normal(&sensor->seed)) * sensor->scale +
         (sensor->quantity == QUANTITY_LENGTH ? SENSOR_DISTANCE * sensor->scale : 0);
     const bool missed = sensor->quirks > 0 && random_fraction(&sensor->seed) < ECHO_MISSING_CHANCE;
     if (sensor->stamp == STAMP_MS)
@@ -222,7 +222,7 @@ static bool sensor_send_lines(struct sensor *sensor, int *failure)
         run_advance(sensor->run, &target, 0, &interrupt);
         ok = !stop_is_failure(sensor->run->stop);
         buffer_clear(&line);
-        put_line(sensor, t, sensor->run->y[0], &line);
+        put_sample_line(sensor, t, sensor->run->y[0], &line);
         const bool lost = sensor->quirks > 0 && random_fraction(&sensor->seed) < LINE_LOST_CHANCE;
         open = ok && wait_until(start + (int64_t)((t + late / sensor->rate) * 1e9)) &&
                (lost || write_all(STDOUT_FILENO, buffer_text(&line), failure));

@@ -194,8 +194,8 @@ INLINE void follow_sizes(struct lanes *lanes, int q)
 
 /* Returns h sum_j (w_j - u_j) k_j, the difference between two formulas of weights w and u, for the
  * variable at `index` of the vectors. */
-INLINE four difference(const struct lanes *lanes, four h, const double *w, const double *u,
-                       int index)
+INLINE four weight_difference(const struct lanes *lanes, four h, const double *w, const double *u,
+                              int index)
 {
     const int stages = lanes->method->tableau->stages, stride = lanes->n * LANE_COUNT / WIDE;
     four sum = -(four){0};
@@ -206,7 +206,7 @@ INLINE four difference(const struct lanes *lanes, four h, const double *w, const
 }
 
 /* Returns the squared error estimate of vector q, with the operations of rk_estimate(). */
-INLINE four estimate(const struct lanes *lanes, four h, int q)
+INLINE four error_estimate(const struct lanes *lanes, four h, int q)
 {
     const struct tableau *tableau = lanes->method->tableau;
     four fine = {0}, coarse = {0};
@@ -214,11 +214,11 @@ INLINE four estimate(const struct lanes *lanes, four h, int q)
         const four size = four_larger(four_larger(four_magnitude(fours(lanes->y)[index]),
                                                   four_magnitude(fours(lanes->state)[index])),
                                       fours(lanes->scale)[index]);
-        const four error = difference(lanes, h, tableau->b, tableau->b_hat, index) / size;
+        const four error = weight_difference(lanes, h, tableau->b, tableau->b_hat, index) / size;
         fine += error * error;
         if (!tableau->rough)
             continue;
-        const four rough = difference(lanes, h, tableau->b, tableau->rough, index) / size;
+        const four rough = weight_difference(lanes, h, tableau->b, tableau->rough, index) / size;
         coarse += rough * rough;
     }
     if (!tableau->rough)
@@ -249,7 +249,7 @@ INLINE four four_next_step(struct lane_control *control, int q, four h, four err
 
 /* Marks lanes of vector q whose state after the attempt is not finite (*wild) or is far out (*far).
  */
-INLINE void look_at_state(const struct lanes *lanes, int q, four_masks *wild, four_masks *far)
+INLINE void check_state(const struct lanes *lanes, int q, four_masks *wild, four_masks *far)
 {
     *wild = *far = (four_masks){0};
     for (int i = 0, index = q; i < lanes->n; i++, index += LANE_COUNT / WIDE) {
@@ -260,7 +260,7 @@ INLINE void look_at_state(const struct lanes *lanes, int q, four_masks *wild, fo
 }
 
 /* Returns the lanes of vector q whose velocity changes its sign in the attempt. */
-INLINE four_masks crosses(const struct lanes *lanes, int q)
+INLINE four_masks velocity_crosses_zero(const struct lanes *lanes, int q)
 {
     const int index = lanes->rows * LANE_COUNT / WIDE + q;
     const four previous = fours(lanes->y)[index], current = fours(lanes->state)[index];
@@ -275,25 +275,25 @@ INLINE void put_where(four_masks when, four value, int q, double *number)
 
 /* Accepts or rejects the attempt in vector q of the lanes and plans the next step. Lanes whose
  * attempt needs the scalar step keep their state and are marked in `alone`. */
-INLINE void judge(struct lanes *lanes, int q)
+INLINE void decide_step(struct lanes *lanes, int q)
 {
     struct lane_control *const control = &lanes->control;
     const int last = (lanes->method->tableau->stages - 1) * lanes->n * LANE_COUNT / WIDE;
     const four t = fours(control->t)[q], h = fours(control->h)[q];
     const four_masks running = masks(control->running)[q];
     follow_sizes(lanes, q);
-    const four square = estimate(lanes, h, q) * fours(control->accepted)[q],
+    const four square = error_estimate(lanes, h, q) * fours(control->accepted)[q],
                error = four_larger(square * control->aims, MIN_ERROR * MIN_ERROR - (four){0});
     const four_masks good = square <= 1;
     const four next = four_next_step(control, q, h, error, good);
     four_masks alone, far;
-    look_at_state(lanes, q, &alone, &far);
+    check_state(lanes, q, &alone, &far);
     alone |= ~(square <= DBL_MAX) | ~(four_magnitude(next) <= DBL_MAX) |
              (fours(control->previous)[q] == 0) |
              (four_magnitude(h) * LAST_STEP_STRETCH >= four_magnitude(control->t_end - t)) |
              ~(next > lane_shortest_of_time * four_magnitude(t) + lane_shortest);
     if (lanes->turns)
-        alone |= crosses(lanes, q);
+        alone |= velocity_crosses_zero(lanes, q);
     /* `moves` are lanes that are decided here, `goes` those of them that are accepted. */
     const four_masks moves = running & ~alone, goes = moves & good;
     /* advance_clock() */
@@ -320,14 +320,14 @@ INLINE void judge(struct lanes *lanes, int q)
 
 /* ---- attempts in all lanes ---- */
 
-CLONES static void judge_all(struct lanes *lanes)
+CLONES static void decide_all(struct lanes *lanes)
 {
     for (int q = 0; q < LANE_COUNT / WIDE; q++)
-        judge(lanes, q);
+        decide_step(lanes, q);
 }
 
 /* Attempts one step in all lanes that run: stages, decision, then the steps of single lanes. */
-static void attempt(struct lanes *lanes)
+static void attempt_all(struct lanes *lanes)
 {
     const struct tableau *tableau = lanes->method->tableau;
     struct lane_control *own = &lanes->control;
@@ -338,7 +338,7 @@ static void attempt(struct lanes *lanes)
             time[lane] = own->t[lane] + tableau->c[s] * own->h[lane];
         lanes_slope(lanes, (struct lane_time){.t = time}, lanes->k + s * lanes->n * LANE_COUNT);
     }
-    judge_all(lanes);
+    decide_all(lanes);
     for (int lane = 0; lane < LANE_COUNT; lane++)
         if (own->alone[lane])
             step_alone(lanes, lane, false);
@@ -357,7 +357,7 @@ bool lanes_adapt(struct lanes *lanes, int64_t attempts, double *row)
 {
     for (int64_t i = 0; i < attempts; i++) {
         if (any_runs(lanes))
-            attempt(lanes);
+            attempt_all(lanes);
         else if (!row)
             return false;
         if (row)

@@ -86,7 +86,8 @@ CLONES static void solve_closed(struct lanes *lanes, struct lane_time stage_time
 
 /* Computes the inverse of Newton's equation at lanes->state, with the operations of
  * motion_factor(); lanes without one are marked in `none`. */
-CLONES static void factor(struct lanes *lanes, const double *h, double *inverse, lane_mask *none)
+CLONES static void newton_inverse(struct lanes *lanes, const double *h, double *inverse,
+                                  lane_mask *none)
 {
     double jacobian[N][LANE_COUNT];
     program_eval_lanes(lanes->slopes.program, jacobian[0], lanes->slopes.frame);
@@ -120,7 +121,7 @@ CLONES static void set_iterate(const struct lane_stage *stage, const struct moti
 /* Makes one iteration in all active lanes, with the operations of motion_iterate(); a is the force
  * at the iterate. Lanes that converge become inactive, lanes that do not are marked to be made
  * alone. */
-CLONES static void iterate(struct motion *m, struct lane_stage *stage, double *a, bool first)
+CLONES static void iterate_lanes(struct motion *m, struct lane_stage *stage, double *a, bool first)
 {
     for (int q = 0; q < LANE_COUNT / 4; q++) {
         const four_masks active = masks(m->active)[q], begins = -(int64_t)first - (four_masks){0};
@@ -151,12 +152,12 @@ CLONES static void iterate(struct motion *m, struct lane_stage *stage, double *a
 }
 
 /* Computes the inverses anew, at the present iterate, for lanes that converge slowly. */
-static void renew_factors(struct lanes *lanes, struct motion *m, struct lane_stage *stage)
+static void renew_inverses(struct lanes *lanes, struct motion *m, struct lane_stage *stage)
 {
     double inverse[LANE_COUNT];
     lane_mask none[LANE_COUNT] = {0};
     set_iterate(stage, m, lanes->state);
-    factor(lanes, stage->h, inverse, none);
+    newton_inverse(lanes, stage->h, inverse, none);
     EACH_LANE
     {
         m->inverse[l] = m->again[l] ? inverse[l] : m->inverse[l];
@@ -180,7 +181,7 @@ static void solve_motion(struct lanes *lanes, struct lane_time stage_time, struc
         m.last[l] = m.residual[l] = HUGE_VAL;
     }
     memcpy(lanes->state, stage->y, sizeof stage->y);
-    factor(lanes, stage->h, m.inverse, stage->alone);
+    newton_inverse(lanes, stage->h, m.inverse, stage->alone);
     EACH_LANE
     {
         stage->alone[l] |= mask_if(!(m.inverse[l] > 0));
@@ -189,9 +190,9 @@ static void solve_motion(struct lanes *lanes, struct lane_time stage_time, struc
     for (int i = 0; i < ITERATIONS && any_is_set(m.active); i++) {
         set_iterate(stage, &m, lanes->state);
         lanes_force(lanes, SUM_ALL, stage_time, a);
-        iterate(&m, stage, a, i == 0);
+        iterate_lanes(&m, stage, a, i == 0);
         if (any_is_set(m.again))
-            renew_factors(lanes, &m, stage);
+            renew_inverses(lanes, &m, stage);
     }
     EACH_LANE
     {
@@ -223,8 +224,8 @@ CLONES static void stage_base(const double *w, int count, const double *h,
 
 /* Makes the step of one lane alone, by method_step(), from its old state and previous slope; writes
  * the new state to stage->sum and the last slope to `last`. The state is NAN if the step fails. */
-static void step_lane(struct lanes *lanes, int lane, double (*previous)[LANE_COUNT],
-                      struct lane_stage *stage, double (*last)[LANE_COUNT])
+static void step_lane_alone(struct lanes *lanes, int lane, double (*previous)[LANE_COUNT],
+                            struct lane_stage *stage, double (*last)[LANE_COUNT])
 {
     double y[N], *const slope = lanes->work + (lanes->method->implicit->stages - 1) * N;
     struct step step = {.system = lanes->system[lane],
@@ -293,7 +294,7 @@ static void step_lanes(struct lanes *lanes, struct lane_stage *stage, double (*k
     } else if (!stiffly_accurate(tableau)) {
         stage_base(tableau->b, stages, lanes->own_h, k, lanes->y, stage->sum);
     }
-    EACH_LANE if (stage->alone[l]) step_lane(lanes, l, previous, stage, k[stages - 1]);
+    EACH_LANE if (stage->alone[l]) step_lane_alone(lanes, l, previous, stage, k[stages - 1]);
     EACH_LANE lanes->evals[l] += stage->evals[l];
     memcpy(lanes->y, stage->sum, sizeof stage->sum);
 }

@@ -30,7 +30,7 @@ static int stages_of(const struct method *method)
 
 /* Divides the memory among the arrays that the method needs; without memory only lanes->used is
  * computed. */
-static void lay_out(struct lanes *lanes)
+static void divide_memory(struct lanes *lanes)
 {
     const size_t n = (size_t)lanes->n, line = LANE_COUNT;
     const struct method *method = lanes->method;
@@ -63,8 +63,8 @@ static void lay_out(struct lanes *lanes)
 
 /* Notes what all lanes have in common: method, drag, dimensions, kinds of forces. Returns false if
  * out of memory. */
-static bool describe(struct lanes *lanes, const struct method *method, const struct system *system,
-                     enum drag drag, double h)
+static bool describe_lanes(struct lanes *lanes, const struct method *method,
+                           const struct system *system, enum drag drag, double h)
 {
     lanes->method = method;
     lanes->drag = drag;
@@ -139,9 +139,9 @@ void lanes_destroy(struct lanes *lanes)
 bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag drag,
                  const struct system *like, double h)
 {
-    if (!describe(lanes, method, like, drag, h))
+    if (!describe_lanes(lanes, method, like, drag, h))
         return false;
-    lay_out(lanes);
+    divide_memory(lanes);
     if (lanes->used > lanes->size) {
         free(lanes->memory);
         lanes->size = lanes->used;
@@ -151,7 +151,7 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
             return false;
         }
     }
-    lay_out(lanes);
+    divide_memory(lanes);
     lanes->step = 0;
     lanes->ready = lanes->own = lanes->adapts = false;
     lanes->scalar = lanes->turns ? method_step_kernel(method, like) : NULL;

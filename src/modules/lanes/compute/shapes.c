@@ -82,8 +82,8 @@ INLINE four drive_angle(const struct lane_drive *drive, int lane, four t)
 
 /* Computes the drive's cosine at one stage and stores it at index `place`: one number if it is the
  * same in all lanes, else a row, which the previous index shares if the time is the same. */
-CLONES static void look_at_drive(struct lane_drive *drive, int64_t place,
-                                 struct lane_time stage_time)
+CLONES static void store_drive_cosine(struct lane_drive *drive, int64_t place,
+                                      struct lane_time stage_time)
 {
     const size_t size = (stage_time.t ? LANE_COUNT : 1) * sizeof *stage_time.t;
     const double *const t = stage_time.t ? stage_time.t : &stage_time.all;
@@ -108,24 +108,24 @@ CLONES static void look_at_drive(struct lane_drive *drive, int64_t place,
 }
 
 /* Computes the drive at all stages of step lanes->step, which have the indices from `place` on. */
-static void look_at_step(struct lanes *lanes, int64_t place)
+static void store_drive_of_step(struct lanes *lanes, int64_t place)
 {
     const struct splitting *splitting = lanes->method->splitting;
     double time[LANE_COUNT];
     struct lane_time stage_time = lanes_time(lanes, 0, time);
     for (int i = 0; i < lanes->drive.places; i++, place++)
         if (!splitting)
-            look_at_drive(&lanes->drive, place,
-                          lanes_time(lanes, lanes->method->tableau->c[i], time));
+            store_drive_cosine(&lanes->drive, place,
+                               lanes_time(lanes, lanes->method->tableau->c[i], time));
         else if ((i % 2 == 0) == splitting->kick_first)
-            look_at_drive(&lanes->drive, place, stage_time);
+            store_drive_cosine(&lanes->drive, place, stage_time);
         else
             lanes_time_add(lanes, splitting_weight(splitting, i), &stage_time, time);
 }
 
 /* Computes the drive for the next steps. Returns their number, at most `count`. Values that are the
  * same in all lanes are kept for the next call, which often needs the same. */
-static int64_t look_ahead(struct lanes *lanes, int64_t count)
+static int64_t store_drive_ahead(struct lanes *lanes, int64_t count)
 {
     struct lane_drive *const drive = &lanes->drive;
     const int64_t first = lanes->step;
@@ -143,7 +143,7 @@ static int64_t look_ahead(struct lanes *lanes, int64_t count)
     const int64_t end = first + count < drive->begin + max ? first + count : drive->begin + max;
     for (; drive->end < end; drive->end++) {
         lanes->step = drive->end;
-        look_at_step(lanes, (drive->end - drive->begin) * drive->places);
+        store_drive_of_step(lanes, (drive->end - drive->begin) * drive->places);
     }
     lanes->step = first;
     drive->next = drive->value + (first - drive->begin) * drive->places;
@@ -210,7 +210,7 @@ INLINE four turning_time(const four *p, const four *q)
 }
 
 /* Returns the lanes in which the number changes its sign. */
-INLINE four_masks crosses(four first, four second)
+INLINE four_masks sign_changes(four first, four second)
 {
     return ((first < 0) & (second > 0)) | ((first > 0) & (second < 0));
 }
@@ -237,7 +237,7 @@ INLINE four_masks turn_lanes(lane_force *force, const double *c, const struct ta
 {
     four t[2] = {z[0], z[1]}, w[RK_WEIGHTS];
     const four none[4] = {0};
-    four_masks moving = crosses(y[1], z[1]), failed = {0}, evals = {0};
+    four_masks moving = sign_changes(y[1], z[1]), failed = {0}, evals = {0};
     for (int piece = 1;; piece++) {
         if (piece > 1) {
             classical_weights(tableau, rest, w);
@@ -246,7 +246,7 @@ INLINE four_masks turn_lanes(lane_force *force, const double *c, const struct ta
         }
         failed |= moving & is_infinite(t);
         fours_select(moving, 2, t, z);
-        moving &= ~failed & crosses(y[1], t[1]);
+        moving &= ~failed & sign_changes(y[1], t[1]);
         if (piece == TURN_PIECES || four_none(moving))
             break;
         evals += moving & 2;
@@ -466,7 +466,7 @@ bool lanes_march_shape(struct lanes *lanes, int64_t count, double *row)
     for (int lane = 1; drive->c1 && lane < LANE_COUNT; lane++)
         drive->own |= drive->c1[lane] != drive->c1[0] || drive->c2[lane] != drive->c2[0];
     for (int64_t some; count > 0; count -= some) {
-        some = look_ahead(lanes, count);
+        some = store_drive_ahead(lanes, count);
         kernel(lanes, some, row);
         lanes->step += some;
         row = row ? row + some * 2 * LANE_COUNT : NULL;

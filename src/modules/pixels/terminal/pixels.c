@@ -74,7 +74,7 @@ static bool has_sixels(struct text attributes)
 }
 
 /* Updates *best by an answer. Returns true if it is the last one expected. */
-static bool take_answer(struct text answer, enum protocol *best)
+static bool evaluate_answer(struct text answer, enum protocol *best)
 {
     enum protocol says = PROTOCOL_NONE;
     if (answer.data[1] == '_' && answer.len > 5 && memmem(answer.data, answer.len, ";OK", 3))
@@ -113,7 +113,7 @@ static bool await_answers(struct buffer *bytes, enum protocol *best)
                 position++;
                 continue;
             }
-            const bool last = take_answer((struct text){bytes->data + position, len}, best);
+            const bool last = evaluate_answer((struct text){bytes->data + position, len}, best);
             memmove(bytes->data + position, bytes->data + position + len,
                     bytes->len - position - len);
             bytes->len -= len;
@@ -156,7 +156,7 @@ static enum protocol protocol_query(bool at_prompt)
 
 /* Skips an answer that comes late, before readline gets it as keys. Returns NO_KEY if it was one,
  * else the key. */
-static int skip_answer(int key)
+static int skip_late_answer(int key)
 {
     if (!pixels.owed || key != '\033')
         return key;
@@ -283,4 +283,4 @@ static void offer(struct front *front, struct streams *streams)
     front->pixels = pixels_show;
 }
 
-const struct terminal_part pixels_terminal = {.offer = offer, .key = skip_answer};
+const struct terminal_part pixels_terminal = {.offer = offer, .key = skip_late_answer};
