@@ -180,6 +180,7 @@ static int derivative_order(enum quantity quantity)
     return quantity == QUANTITY_OTHER ? 0 : quantity_order(quantity);
 }
 
+/* Returns true for an angle and its derivatives by time. */
 static bool is_turning(enum quantity quantity)
 {
     return quantity == QUANTITY_ANGLE || quantity == QUANTITY_ANGULAR_FREQUENCY ||

@@ -320,6 +320,7 @@ static bool find_known(const void *context, struct text name, int *slot)
     return true;
 }
 
+/* Loads a name that find_known() found. */
 static double load_known(const void *context, int slot)
 {
     const struct known_names *known = context;

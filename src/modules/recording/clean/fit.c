@@ -33,11 +33,13 @@ struct clean_samples {
     const struct cancel *cancel;
 };
 
+/* Returns n rounded up to a multiple of 4. */
 static size_t padded(size_t n)
 {
     return (n + 3) / 4 * 4;
 }
 
+/* Returns the four values from an offset on as one vector. */
 static four *fours(double *values, size_t offset)
 {
     return (four *)(void *)(values + offset);

@@ -258,6 +258,7 @@ static bool from_json(struct text bytes, struct contents *contents, struct error
 static bool unpack(const char *path, struct intake *intake, struct buffer *bytes,
                    struct contents *contents, struct error *error);
 
+/* Returns true for gzip, zip and the old format of Excel workbooks. */
 static bool is_archive(struct text bytes)
 {
     const enum packing packing = packing_of(bytes);

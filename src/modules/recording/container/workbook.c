@@ -77,6 +77,7 @@ static bool keep_text(void *context, struct text text)
     return !book->text.failed || error_memory(book->error);
 }
 
+/* Begins to collect text of the document. */
 static void begin_text(struct workbook *book)
 {
     buffer_clear(&book->text);

@@ -155,7 +155,8 @@ static bool good_velocity(const struct series *all, const unsigned char *use, st
 }
 
 /* Takes velocities from the sensor or from the positions, and energies from mass and spring
- * constant, about the middle of the motion. */
+ * constant. The middle of the motion is the fitted offset, that of a growing recording, or the
+ * mean. */
 bool data_motion(const struct session *session, const struct recording *recording,
                  const struct series *series, bool energy, struct arena *arena,
                  struct data_motion *motion, struct error *error)

@@ -192,7 +192,8 @@ void drag_report(const struct drag_fitting *f, int i, const struct drag_factors 
     const double gamma = fit->motion.value[EQUATION_RATE],
                  omega = damped_frequency(fit->motion.value[EQUATION_OMEGA], gamma);
     const int order = fit->motion.order;
-    /* y = A exp(-gamma s/2) cos(omega s + phi), and how each derivative is larger and earlier */
+    /* y = A exp(-gamma s/2) cos(omega s + phi); derivatives are larger by `grow`, ahead by `turn`
+     */
     const double sine = (v + 0.5 * gamma * y) / omega, a = hypot(y, sine);
     const double grow = pow(hypot(0.5 * gamma, omega), order),
                  turn = order * atan2(omega, -0.5 * gamma);

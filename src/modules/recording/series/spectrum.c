@@ -237,33 +237,34 @@ static int highest_peaks(const struct transform *spectrum, double span, double *
     return count;
 }
 
-/* Averages the spectra of `parts` equal parts (Welch 1967, without overlap). */
-static struct transform mean_transform(const struct samples *x, size_t parts, struct arena *arena)
+/* Adds up the spectra of `parts` equal parts (Welch 1967, without overlap), a multiple of their
+ * mean. */
+static struct transform sum_transforms(const struct samples *x, size_t parts, struct arena *arena)
 {
     const size_t n = x->n / parts;
-    struct transform mean = {.memory = true};
-    for (size_t k = 0; k < parts && mean.memory; k++) {
+    struct transform sum = {.memory = true};
+    for (size_t k = 0; k < parts && sum.memory; k++) {
         const struct samples part = samples_part(x, k * n, (k + 1) * n);
         const struct transform one = power_spectrum(&part, arena);
         if (k == 0 || !one.memory) {
-            mean = one;
+            sum = one;
             continue;
         }
-        for (size_t i = 0; i < mean.bins; i++) {
-            mean.power[i] += one.power[i];
+        for (size_t i = 0; i < sum.bins; i++) {
+            sum.power[i] += one.power[i];
         }
     }
-    return mean;
+    return sum;
 }
 
-/* Averages the spectra of the parts and takes the highest peaks. */
+/* Takes the highest peaks of the sum over the parts, which are those of the mean. */
 int mean_spectrum_peaks(const struct samples *x, size_t parts, double *omega, int max, bool *memory)
 {
     struct arena arena = {0};
     int count = 0;
     *memory = true;
     if (x->n / parts >= PART_MIN) {
-        const struct transform spectrum = mean_transform(x, parts, &arena);
+        const struct transform spectrum = sum_transforms(x, parts, &arena);
         *memory = spectrum.memory;
         if (spectrum.memory)
             count =

@@ -23,6 +23,7 @@ static bool steps_are_even(const double *t, size_t begin, size_t end, double ste
     return true;
 }
 
+/* Returns true if two rows have the same value in every column. */
 static bool rows_agree(const struct recording *recording, size_t a, size_t b)
 {
     for (int i = 0; i < recording->columns; i++)

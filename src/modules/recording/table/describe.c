@@ -24,6 +24,7 @@ static const char *separator_name(const struct recording *recording)
     }
 }
 
+/* Appends the name of a column, and its unit in brackets if it has one. */
 static void put_column(struct buffer *text, const struct column *column)
 {
     buffer_format(text, column->unit[0] ? "%s [%s]" : "%s%s", column->name, column->unit);

@@ -18,14 +18,14 @@ static bool stamp_take_char(struct stamp_scan *s, char c)
     return found;
 }
 
-static void blanks(struct stamp_scan *s)
+static void scan_blanks(struct stamp_scan *s)
 {
     while (s->cursor < s->end && *s->cursor == ' ')
         s->cursor++;
 }
 
 /* Reads up to `max` digits. Returns their number. */
-static int digits(struct stamp_scan *s, int max, int64_t *value)
+static int scan_digits(struct stamp_scan *s, int max, int64_t *value)
 {
     int count = 0;
     for (*value = 0; count < max && s->cursor < s->end && is_digit_char(*s->cursor); count++)
@@ -47,11 +47,11 @@ static bool scan_date(struct stamp_scan *s, struct stamp *stamp)
 {
     struct stamp_scan saved = *s;
     int64_t first, second, third;
-    const int wide = digits(s, 4, &first);
+    const int wide = scan_digits(s, 4, &first);
     const char mark = s->cursor < s->end ? *s->cursor : '\0';
     if (wide == 0 || !strchr("-/.", mark) || !mark || !stamp_take_char(s, mark) ||
-        digits(s, 2, &second) == 0 || !stamp_take_char(s, mark) || digits(s, 4, &third) == 0 ||
-        (s->cursor < s->end && is_digit_char(*s->cursor))) {
+        scan_digits(s, 2, &second) == 0 || !stamp_take_char(s, mark) ||
+        scan_digits(s, 4, &third) == 0 || (s->cursor < s->end && is_digit_char(*s->cursor))) {
         *s = saved;
         return false;
     }
@@ -82,7 +82,7 @@ static double fraction(struct stamp_scan *s)
     int64_t number;
     static const double decimal_power10[] = {1,   1e1, 1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                                              1e8, 1e9, 1e10, 1e11, 1e12, 1e13, 1e14, 1e15};
-    const int count = digits(s, 15, &number);
+    const int count = scan_digits(s, 15, &number);
     const double value = (double)number / decimal_power10[count];
     while (s->cursor < s->end && is_digit_char(*s->cursor)) /* digits beyond those of a double */
         s->cursor++;
@@ -93,7 +93,7 @@ static double fraction(struct stamp_scan *s)
  * 1 to 12. */
 static bool scan_noon(struct stamp_scan *s, int64_t *hour)
 {
-    blanks(s);
+    scan_blanks(s);
     if (s->end - s->cursor < 2 || strncasecmp(s->cursor + 1, "m", 1) != 0 ||
         !strchr("aApP", *s->cursor))
         return true;
@@ -113,10 +113,10 @@ static bool scan_zone(struct stamp_scan *s, double *second)
     if (stamp_take_char(s, 'Z') || s->cursor == s->end || !strchr("+-", *s->cursor))
         return true;
     const double sign = *s->cursor++ == '-' ? 1 : -1;
-    if (digits(s, 2, &hours) != 2)
+    if (scan_digits(s, 2, &hours) != 2)
         return false;
     stamp_take_char(s, ':');
-    digits(s, 2, &minutes);
+    scan_digits(s, 2, &minutes);
     *second += sign * (double)(hours * 3600 + minutes * 60);
     return true;
 }
@@ -128,19 +128,19 @@ static bool scan_clock(struct stamp_scan *s, struct stamp *stamp)
     struct stamp_scan saved = *s;
     int64_t hour, minute, second = 0, thousandth;
     double part = 0;
-    const int wide = digits(s, 4, &hour);
-    if (wide == 0 || !stamp_take_char(s, ':') || digits(s, 2, &minute) == 0) {
+    const int wide = scan_digits(s, 4, &hour);
+    if (wide == 0 || !stamp_take_char(s, ':') || scan_digits(s, 2, &minute) == 0) {
         *s = saved;
         return false;
     }
     const bool seconds = stamp_take_char(s, ':');
-    if (seconds && digits(s, 2, &second) == 0)
+    if (seconds && scan_digits(s, 2, &second) == 0)
         return false;
     const bool decimals = stamp_take_char(s, '.') || stamp_take_char(s, ',');
     if (decimals)
         part = fraction(s);
     else if (seconds && stamp_take_char(s, ':')) {
-        if (digits(s, 3, &thousandth) != 3)
+        if (scan_digits(s, 3, &thousandth) != 3)
             return false;
         part = (double)thousandth / 1000;
     }
@@ -164,7 +164,7 @@ static bool scan_days(struct stamp_scan *s, struct stamp *stamp)
 {
     const struct stamp_scan saved = *s;
     int64_t days;
-    if (digits(s, 4, &days) > 0 && stamp_take_char(s, ' ') && s->end - s->cursor > 2 &&
+    if (scan_digits(s, 4, &days) > 0 && stamp_take_char(s, ' ') && s->end - s->cursor > 2 &&
         is_digit_char(*s->cursor)) {
         stamp->date = true;
         stamp->day = days;
@@ -184,11 +184,12 @@ static bool scan_ctime(struct stamp_scan *s, struct stamp *stamp)
     while (month <= 12 && memcmp(months + 3 * (month - 1), s->cursor + 4, 3) != 0)
         month++;
     s->cursor += 8;
-    blanks(s);
-    if (month > 12 || digits(s, 2, &day) == 0 || !stamp_take_char(s, ' ') || !scan_clock(s, stamp))
+    scan_blanks(s);
+    if (month > 12 || scan_digits(s, 2, &day) == 0 || !stamp_take_char(s, ' ') ||
+        !scan_clock(s, stamp))
         return false;
-    blanks(s);
-    if (digits(s, 4, &year) != 4)
+    scan_blanks(s);
+    if (scan_digits(s, 4, &year) != 4)
         return false;
     stamp->date = true;
     stamp->day = days_from_civil(year, month, day);
@@ -212,7 +213,7 @@ bool stamp_parse(struct text text, struct stamp *stamp)
         if (*s.cursor != ' ' && *s.cursor != ',')
             return false;
         s.cursor++;
-        blanks(&s);
+        scan_blanks(&s);
     }
     if (s.cursor < s.end && (!scan_clock(&s, stamp) || !scan_zone(&s, &stamp->second)))
         return false;
