@@ -16,7 +16,7 @@
 #define BATCH_NS_MAX 800000
 
 /* Returns true if the condition of the target is true at the present state of the run. */
-static bool holds(const struct segment *segment)
+static bool is_condition_true(const struct segment *segment)
 {
     const struct condition *condition = segment->target->condition;
     return condition_holds(condition, condition_value(condition, segment->target->scope));
@@ -78,7 +78,7 @@ static enum stop segment_begin(struct run *run, const struct run_target *target,
     }
     if (target->condition || target->events > 0)
         ledger_will_not_repeat(run);
-    segment->armed = target->condition && !holds(segment);
+    segment->armed = target->condition && !is_condition_true(segment);
     return events_begin(run, segment) ? STOP_NONE : STOP_FULL;
 }
 
@@ -93,7 +93,7 @@ bool run_in_bounds(const struct run *run, const double *y)
 
 /* Puts the state before the last step back, with its compensated rounding. The method's memory of
  * earlier steps is given up. */
-static void restore(struct run *run)
+static void step_take_back(struct run *run)
 {
     struct run_private *p = run->private_state;
     copy_state(run->y, p->previous_state, run->system.n);
@@ -127,7 +127,7 @@ static double condition_after(void *context, double h)
 {
     struct partial_step *part = context;
     struct run *run = part->run;
-    restore(run);
+    step_take_back(run);
     part->failed = part->failed || (h != 0 && step_cold(run, part->t, h) != STEP_OK);
     run->t = part->t + h;
     return condition_value(part->segment->target->condition, part->segment->target->scope);
@@ -140,8 +140,8 @@ static double condition_after(void *context, double h)
 /* Finds an interval [*low, *high] of the step over h, times [s] since its beginning, at whose ends
  * the condition is first false and then true, and sets its values there. The interval is widened
  * around crossing_time until it is found. Sets *low = *high if there is none or if a step fails. */
-static void enclose(struct partial_step *part, double crossing_time, double h, double *low,
-                    double *f_low, double *high, double *f_high)
+static void condition_bracket(struct partial_step *part, double crossing_time, double h,
+                              double *low, double *f_low, double *high, double *f_high)
 {
     const struct condition *condition = part->segment->target->condition;
     for (double apart = CONDITION_DISTANCE;; apart *= 32) {
@@ -162,14 +162,15 @@ static void enclose(struct partial_step *part, double crossing_time, double h, d
 /* Puts the run where the condition becomes true in the step from t over h. An interpolant gave the
  * fraction theta of the step; the time is found to rounding with steps of the method itself.
  * Returns true if that is inside the step, false if it is the end of the step, which then stays. */
-static bool locate(struct run *run, const struct segment *segment, double t, double h, double theta)
+static bool condition_locate(struct run *run, const struct segment *segment, double t, double h,
+                             double theta)
 {
     const size_t size = (size_t)run->system.n * sizeof *run->y;
     const double end = run->t, ulp = DBL_EPSILON * fmax(fabs(t), fabs(end));
     struct partial_step part = {run, segment, t, false};
     double found[LIMIT_VARIABLES], low, high, f_low, f_high, crossing_time = theta * h;
     memcpy(found, run->y, size);
-    enclose(&part, crossing_time, h, &low, &f_low, &high, &f_high);
+    condition_bracket(&part, crossing_time, h, &low, &f_low, &high, &f_high);
     if (low != high && !part.failed) {
         if (f_low != 0)
             crossing_time = root_between(condition_after, &part, low, f_low, high, f_high, ulp);
@@ -200,12 +201,12 @@ static bool locate(struct run *run, const struct segment *segment, double t, dou
 static bool condition_meet(struct run *run, struct segment *segment, double t, double h,
                            bool *inside)
 {
-    const bool now = holds(segment);
+    const bool now = is_condition_true(segment);
     double theta = 1;
     /* A condition that no bounds can follow may be true all the same. */
     const bool met = events_until(run, &theta) || (now && segment->armed && !events_stop(run));
     if (met) {
-        *inside |= locate(run, segment, t, h, theta);
+        *inside |= condition_locate(run, segment, t, h, theta);
         run->private_state->gap_known = false; /* it may end elsewhere */
         events_until_at(run, theta);
     }
@@ -296,7 +297,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
         return stop_of_step(status);
     }
     if (!run_in_bounds(run, run->y)) {
-        restore(run);
+        step_take_back(run);
         controller_copy(&run->controller, &controller, &run->system);
         return STOP_DIVERGED;
     }
@@ -323,7 +324,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
         stop = stops ? STOP_CONDITION : stop;
     }
     if (refused || !noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
-        restore(run);
+        step_take_back(run);
         controller_copy(&run->controller, &controller, &run->system);
         run->steps--;
         run->t = was;

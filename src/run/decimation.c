@@ -6,7 +6,7 @@
 #include "run/private.h"
 
 /* Returns the address of the step of row i. */
-static inline int64_t *step_at(const struct trace *trace, size_t i)
+static inline int64_t *row_step_address(const struct trace *trace, size_t i)
 {
     return &trace->index[i >> CHUNK_SHIFT][i & (CHUNK_ROWS - 1)];
 }
@@ -14,7 +14,7 @@ static inline int64_t *step_at(const struct trace *trace, size_t i)
 /* ---- one step ---- */
 
 /* Adds a row at the end. Returns false if out of memory. */
-static bool append(struct trace *trace, int64_t step, double t, const double *y)
+static bool bucket_row_append(struct trace *trace, int64_t step, double t, const double *y)
 {
     if (!trace_reserve_rows(trace, 1))
         return false;
@@ -25,7 +25,7 @@ static bool append(struct trace *trace, int64_t step, double t, const double *y)
 bool trace_keep(struct trace *trace, int64_t step, double t, const double *y)
 {
     if (step >= trace->tail_end) {
-        if (!append(trace, step, t, y))
+        if (!bucket_row_append(trace, step, t, y))
             return false;
         trace->tail = trace->low = trace->high = trace->count - 1;
         trace->tail_end = (step | (trace->bucket - 1)) + 1;
@@ -41,14 +41,14 @@ bool trace_keep(struct trace *trace, int64_t step, double t, const double *y)
         return true;
     }
     if (*extreme == trace->tail) {
-        if (!append(trace, step, t, y))
+        if (!bucket_row_append(trace, step, t, y))
             return false;
     } else { /* the old extreme is dropped; at most the other extreme is behind it */
         if (*other > *extreme) {
             const double *row = trace_row(trace, *other);
             const struct energy_tally mark = trace_mark(trace, *other);
-            trace_write_row(trace, *extreme, *step_at(trace, *other), row[trace->width - 1], row,
-                            &mark);
+            trace_write_row(trace, *extreme, *row_step_address(trace, *other),
+                            row[trace->width - 1], row, &mark);
             *other = *extreme;
         }
         trace_write_row(trace, trace->count - 1, step, t, y, &unknown_tally);
@@ -61,7 +61,7 @@ void trace_find_tail(struct trace *trace, int64_t begin)
 {
     trace->tail_end = begin + trace->bucket;
     trace->tail = trace->count - 1;
-    while (trace->tail > 0 && *step_at(trace, trace->tail - 1) >= begin)
+    while (trace->tail > 0 && *row_step_address(trace, trace->tail - 1) >= begin)
         trace->tail--;
     trace->low = trace->high = trace->tail;
     for (size_t k = trace->tail + 1; k < trace->count; k++) {
@@ -87,8 +87,8 @@ ALWAYS_INLINE void replace_where_less(const four *a, const four *b, const four *
  * VECTOR_LANES consecutive parts of `count` rows, n numbers each. Sets low and high [VECTOR_LANES]
  * to their indices within each part, the first one of equals. Indices are counted in doubles, so
  * that they are vectors like positions. */
-ALWAYS_INLINE void extremes_of_four(const double *row, int64_t count, int n, int64_t *low,
-                                    int64_t *high)
+ALWAYS_INLINE void extreme_rows_of_parts(const double *row, int64_t count, int n, int64_t *low,
+                                         int64_t *high)
 {
     const int64_t next = count * n;
     four min = {row[0], row[next], row[2 * next], row[3 * next]}, max = min;
@@ -112,13 +112,14 @@ ALWAYS_INLINE void extremes_of_four(const double *row, int64_t count, int n, int
 
 /* Does the same for all of the rows, at least one: sets *low and *high to the indices of the first
  * rows with the smallest and the largest position. */
-CLONES static void extremes(const double *row, int64_t count, int n, int64_t *low, int64_t *high)
+CLONES static void extreme_rows_find(const double *row, int64_t count, int n, int64_t *low,
+                                     int64_t *high)
 {
     const int64_t part = count / VECTOR_LANES;
     int64_t lows[VECTOR_LANES] = {0}, highs[VECTOR_LANES] = {0}, i = 1;
     *low = *high = 0;
     if (part > 1) {
-        extremes_of_four(row, part, n, lows, highs);
+        extreme_rows_of_parts(row, part, n, lows, highs);
         for (int k = 0; k < VECTOR_LANES; k++) {
             const int64_t least = k * part + lows[k], most = k * part + highs[k];
             *low = row[least * n] < row[*low * n] ? least : *low;
@@ -151,18 +152,18 @@ enum { BUCKETS_MAX = 256 };
 
 /* Chooses the rows that stay of `count` rows, the first of which begins a bucket of `bucket` rows.
  * Sets place to their indices, in order, and returns how many they are. */
-CLONES static size_t choose_rows(const double *row, int64_t count, int64_t bucket, int n,
-                                 int64_t place[3 * BUCKETS_MAX])
+CLONES static size_t bucket_rows_choose(const double *row, int64_t count, int64_t bucket, int n,
+                                        int64_t place[3 * BUCKETS_MAX])
 {
     int64_t low[VECTOR_LANES], high[VECTOR_LANES], i = 0;
     size_t rows = 0;
     for (; i + VECTOR_LANES * bucket <= count; i += VECTOR_LANES * bucket) {
-        extremes_of_four(row + i * n, bucket, n, low, high);
+        extreme_rows_of_parts(row + i * n, bucket, n, low, high);
         for (int k = 0; k < VECTOR_LANES; k++)
             rows += bucket_rows(i + k * bucket, low[k], high[k], place + rows);
     }
     for (; i < count; i += bucket) {
-        extremes(row + i * n, count - i < bucket ? count - i : bucket, n, low, high);
+        extreme_rows_find(row + i * n, count - i < bucket ? count - i : bucket, n, low, high);
         rows += bucket_rows(i, low[0], high[0], place + rows);
     }
     return rows;
@@ -181,7 +182,7 @@ struct row_writer {
 ALWAYS_INLINE struct row_writer write_from(const struct trace *trace, size_t next, size_t width)
 {
     return (struct row_writer){.row = trace_row(trace, next),
-                               .step = step_at(trace, next),
+                               .step = row_step_address(trace, next),
                                .next = next,
                                .width = width,
                                .marked = trace_marked(trace)};
@@ -193,7 +194,7 @@ ALWAYS_INLINE void write_next(const struct trace *trace, struct row_writer *writ
 {
     if ((writer->next & (CHUNK_ROWS - 1)) == 0) {
         writer->row = trace_row(trace, writer->next);
-        writer->step = step_at(trace, writer->next);
+        writer->step = row_step_address(trace, writer->next);
     }
     copy_state(writer->row, y, (int)writer->width);
     writer->row += writer->width;
@@ -239,13 +240,14 @@ static bool trace_steps_thin(struct trace *trace, bool moves)
     for (size_t first = 0; first < trace->count; first += rows) {
         const double *row = trace_rows(trace, first, trace->count, &rows);
         rows = rows < (size_t)(BUCKETS_MAX * bucket) ? rows : (size_t)(BUCKETS_MAX * bucket);
-        const size_t chosen = choose_rows(row, (int64_t)rows, bucket, (int)trace->width, place);
+        const size_t chosen =
+            bucket_rows_choose(row, (int64_t)rows, bucket, (int)trace->width, place);
         for (size_t k = 0; k < chosen; k++) {
             const int64_t step = (int64_t)first + place[k];
             if (moves)
                 move_next(trace, &writer, step, (size_t)step);
             else
-                *step_at(trace, writer.next++) = step;
+                *row_step_address(trace, writer.next++) = step;
         }
     }
     trace->bucket = bucket;
@@ -266,11 +268,11 @@ ALWAYS_INLINE void move_bucket(struct trace *trace, struct row_writer *writer, s
 {
     const size_t earlier = low < high ? low : high;
     const size_t later = low < high ? high : low;
-    move_next(trace, writer, *step_at(trace, first), first);
+    move_next(trace, writer, *row_step_address(trace, first), first);
     if (earlier != first)
-        move_next(trace, writer, *step_at(trace, earlier), earlier);
+        move_next(trace, writer, *row_step_address(trace, earlier), earlier);
     if (later != earlier)
-        move_next(trace, writer, *step_at(trace, later), later);
+        move_next(trace, writer, *row_step_address(trace, later), later);
 }
 
 /* Merges pairs of buckets, which halves the number of rows at most. Rows move to the front, never
@@ -287,7 +289,7 @@ static void merge_buckets(struct trace *trace)
     for (size_t i = 0; i < count; i++, row += width, step++) {
         if ((i & (CHUNK_ROWS - 1)) == 0) {
             row = trace_row(trace, i);
-            step = step_at(trace, i);
+            step = row_step_address(trace, i);
         }
         if (*step >= next) {
             if (i > 0)
@@ -314,13 +316,13 @@ static void merge_enough(struct trace *trace)
     trace_touch(trace, 0);
     while (trace->count > trace->cap / 2)
         merge_buckets(trace);
-    trace_find_tail(trace, *step_at(trace, trace->count - 1) & ~(trace->bucket - 1));
+    trace_find_tail(trace, *row_step_address(trace, trace->count - 1) & ~(trace->bucket - 1));
 }
 
 void trace_thinned(struct trace *trace)
 {
     for (size_t i = 0; i < trace->count; i++)
-        copy_state(trace_row(trace, i), trace_row(trace, (size_t)*step_at(trace, i)),
+        copy_state(trace_row(trace, i), trace_row(trace, (size_t)*row_step_address(trace, i)),
                    (int)trace->width);
     merge_enough(trace);
 }
@@ -337,10 +339,11 @@ bool trace_coarsen(struct trace *trace)
 
 /* Records `count` steps that all belong to the last bucket, so that only their extremes can stay:
  * the same rows as trace_keep() for each of them. Returns false if out of memory. */
-static bool keep_within(struct trace *trace, int64_t step, const double *row, int64_t count)
+static bool bucket_extremes_record(struct trace *trace, int64_t step, const double *row,
+                                   int64_t count)
 {
     int64_t extreme_index[2];
-    extremes(row, count, (int)trace->width, &extreme_index[0], &extreme_index[1]);
+    extreme_rows_find(row, count, (int)trace->width, &extreme_index[0], &extreme_index[1]);
     const bool swapped = extreme_index[0] > extreme_index[1];
     for (int i = 0; i < 2; i++) {
         const int64_t k = extreme_index[swapped ? 1 - i : i];
@@ -353,10 +356,11 @@ static bool keep_within(struct trace *trace, int64_t step, const double *row, in
 
 /* Records `count` steps that are whole buckets: the same rows as trace_keep() for each of them.
  * Returns false if out of memory. */
-static bool keep_buckets(struct trace *trace, int64_t step, const double *row, int64_t count)
+static bool whole_buckets_record(struct trace *trace, int64_t step, const double *row,
+                                 int64_t count)
 {
     int64_t place[3 * BUCKETS_MAX];
-    const size_t rows = choose_rows(row, count, trace->bucket, (int)trace->width, place),
+    const size_t rows = bucket_rows_choose(row, count, trace->bucket, (int)trace->width, place),
                  end = trace->count + rows;
     if (!trace_reserve_rows(trace, rows))
         return false;
@@ -371,10 +375,10 @@ static bool keep_buckets(struct trace *trace, int64_t step, const double *row, i
     return true;
 }
 
-/* Returns how many of `count` steps from `step` on keep_buckets() can record at once: whole
+/* Returns how many of `count` steps from `step` on whole_buckets_record() can record at once: whole
  * buckets, as many as fit before the trace has to be decimated. Returns 0 if `step` begins no
  * bucket. */
-static int64_t whole_buckets(const struct trace *trace, int64_t step, int64_t count)
+static int64_t whole_bucket_steps(const struct trace *trace, int64_t step, int64_t count)
 {
     int64_t buckets = count / trace->bucket;
     const int64_t room = (int64_t)(trace->cap - trace->count - 1) / 3;
@@ -387,17 +391,18 @@ static int64_t whole_buckets(const struct trace *trace, int64_t step, int64_t co
 /* Records the first of `count` states after `step`, `step` + 1, …: those that are passed over,
  * whole buckets, the end of a bucket, or one step. Returns how many; 0 if the trace is full or out
  * of memory. */
-static int64_t record_some(struct trace *trace, int64_t step, const double *row, int64_t count)
+static int64_t steps_record(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     const int64_t skipped = trace->decimates ? 0 : trace->next - step,
-                  whole = whole_buckets(trace, step, count), in_bucket = trace->tail_end - step;
+                  whole = whole_bucket_steps(trace, step, count),
+                  in_bucket = trace->tail_end - step;
     const int64_t bucket_rows = in_bucket < count ? in_bucket : count;
     if (skipped > 0)
         return skipped < count ? skipped : count;
     if (whole > 0)
-        return keep_buckets(trace, step, row, whole) ? whole : 0;
+        return whole_buckets_record(trace, step, row, whole) ? whole : 0;
     if (trace->bucket > 1 && bucket_rows > 1 && trace->count + 3 < trace->cap)
-        return keep_within(trace, step, row, bucket_rows) ? bucket_rows : 0;
+        return bucket_extremes_record(trace, step, row, bucket_rows) ? bucket_rows : 0;
     return trace_record(trace, step, row[trace->width - 1], row);
 }
 
@@ -407,6 +412,6 @@ int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, 
         return trace_record_even(trace, step, row, count);
     int64_t done = 0;
     for (int64_t more = 1; more > 0 && done < count; done += more)
-        more = record_some(trace, step + done, row + (size_t)done * trace->width, count - done);
+        more = steps_record(trace, step + done, row + (size_t)done * trace->width, count - done);
     return done;
 }

@@ -9,7 +9,7 @@
 
 /* Returns the difference [s] up to which two times near t count as equal: both the grid of steps
  * and that of rows are sums of rounded numbers. */
-static double nearness(const struct trace *trace, double t)
+static double time_tolerance(const struct trace *trace, double t)
 {
     return 8 * DBL_EPSILON * fmax(fabs(t), fabs(trace->origin));
 }
@@ -26,7 +26,7 @@ void trace_aim(struct trace *trace, double t, double h)
     trace->due = trace->ahead * (floor(trace->ahead * ((t - trace->origin) / trace->interval)) - 1);
     /* The quotient is rounded, so that `due` may be a few rows too early. The number of corrections
      * is limited because they would never end if the interval is below the rounding of t. */
-    for (int i = 0; i < 4 && (due_time(trace) - t) * trace->ahead <= nearness(trace, t); i++)
+    for (int i = 0; i < 4 && (due_time(trace) - t) * trace->ahead <= time_tolerance(trace, t); i++)
         trace->due += trace->ahead;
 }
 
@@ -40,12 +40,12 @@ bool trace_in_step(struct trace *trace)
         return false;
     trace->every = (int64_t)every;
     trace->next = grid->first + (int64_t)steps;
-    return fabs(grid_time(grid, trace->next) - due) <= nearness(trace, due);
+    return fabs(grid_time(grid, trace->next) - due) <= time_tolerance(trace, due);
 }
 
 /* Records y as the row that is due and moves on to the next one. Returns false if the trace is full
  * or out of memory. */
-static bool append(struct trace *trace, int64_t step, const double *y)
+static bool due_row_append(struct trace *trace, int64_t step, const double *y)
 {
     if (!trace_append(trace, step, due_time(trace), y))
         return false;
@@ -57,7 +57,7 @@ static bool append(struct trace *trace, int64_t step, const double *y)
 int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     while (trace->next < step + count)
-        if (!append(trace, trace->next, row + (trace->next - step) * trace->n))
+        if (!due_row_append(trace, trace->next, row + (trace->next - step) * trace->n))
             return trace->next - step;
     return count;
 }
@@ -65,7 +65,7 @@ int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, 
 enum stop even_record(struct run *run, bool cold, double t, double h)
 {
     struct trace *trace = run->trace;
-    const double t_tolerance = nearness(trace, run->t);
+    const double t_tolerance = time_tolerance(trace, run->t);
     for (double due; due = due_time(trace), (due - run->t) * trace->ahead <= t_tolerance;) {
         double inside[LIMIT_VARIABLES];
         const bool end = fabs(due - run->t) <= t_tolerance;
@@ -75,7 +75,7 @@ enum stop even_record(struct run *run, bool cold, double t, double h)
             if (!run_in_bounds(run, inside))
                 return STOP_DIVERGED;
         }
-        if (!append(trace, run->steps, end ? run->y : inside))
+        if (!due_row_append(trace, run->steps, end ? run->y : inside))
             return STOP_FULL;
         if (!end)
             ledger_inside(run, due, inside);
@@ -87,7 +87,7 @@ void even_drop(struct trace *trace, double t)
 {
     for (; trace->count > 1; trace->count--) {
         const double last = trace_time(trace, trace->count - 1);
-        if ((last - t) * trace->ahead <= nearness(trace, t))
+        if ((last - t) * trace->ahead <= time_tolerance(trace, t))
             return;
         trace->due -= trace->ahead;
         trace->next -= trace->every;
@@ -97,5 +97,5 @@ void even_drop(struct trace *trace, double t)
 
 bool even_present(const struct trace *trace, double row_time)
 {
-    return fabs(row_time - trace->now_t) <= nearness(trace, trace->now_t);
+    return fabs(row_time - trace->now_t) <= time_tolerance(trace, trace->now_t);
 }

@@ -68,7 +68,7 @@ static struct propagator *propagator_for(struct run *run, double h)
 /* Gives the propagator the state at the beginning of the block of `step`, if it does not know it
  * and the trace has it: after run_back() the run may be in the middle of a block. The state must
  * belong to the present epoch. */
-static void find_block(struct run *run, const struct segment *segment, int64_t step)
+static void propagator_block_find(struct run *run, const struct segment *segment, int64_t step)
 {
     struct propagator *propagator = run->private_state->propagator;
     const int64_t begin = segment->grid.first + propagator_block(step);
@@ -87,7 +87,7 @@ void run_give(struct run *run, const double *row, int64_t count)
 
 /* Copies states that run_give() has provided into march->row, instead of computing them. Returns
  * how many. */
-static int64_t take_given(struct run *run, const struct march *march)
+static int64_t given_steps_copy(struct run *run, const struct march *march)
 {
     struct run_private *p = run->private_state;
     const size_t n = (size_t)run->system.n, size = n * sizeof(double);
@@ -126,7 +126,7 @@ static int64_t march_within(struct run *run, struct march *march, enum step_stat
 
 /* Copies the working memory of the method to p->work_before, so that a batch can be taken back.
  * Returns false if out of memory. */
-static bool keep_work(struct run *run)
+static bool method_work_save(struct run *run)
 {
     struct run_private *p = run->private_state;
     const size_t size = method_work_size(run->method, run->system.n) * sizeof *p->work;
@@ -140,7 +140,7 @@ static bool keep_work(struct run *run)
 /* Returns memory for *capacity rows of `width` numbers: in the trace, and sets *in_trace, if it
  * keeps every step unchanged, else p->scratch, which is used again. Returns NULL if out of
  * memory. */
-static double *open_rows(struct run *run, size_t width, size_t *capacity, bool *in_trace)
+static double *batch_rows_open(struct run *run, size_t width, size_t *capacity, bool *in_trace)
 {
     struct run_private *p = run->private_state;
     double *row = trace_open(run->trace, width, capacity);
@@ -162,8 +162,8 @@ struct adapted_from {
 
 /* Takes a batch of adaptive steps back to `saved`, and makes only the first `count` of its steps
  * again. */
-static void adapt_again(struct run *run, const struct adapted_from *saved, double end,
-                        int64_t count, double *row)
+static void adaptive_batch_repeat(struct run *run, const struct adapted_from *saved, double end,
+                                  int64_t count, double *row)
 {
     struct run_private *p = run->private_state;
     enum step_status status;
@@ -205,7 +205,7 @@ static int64_t adapt_within(struct run *run, double end, int64_t count, double *
         good = recorded;
     }
     if (good < taken || good == 0)
-        adapt_again(run, &saved, end, good, row);
+        adaptive_batch_repeat(run, &saved, end, good, row);
     return good;
 }
 
@@ -222,8 +222,8 @@ static bool adapt_many(struct run *run, const struct segment *segment, enum stop
     bool in_trace;
     if (!method_adapts_many(&p->step, &run->controller) || run->t == end || left <= 0)
         return false;
-    double *row = open_rows(run, width, &capacity, &in_trace);
-    if (!row || !keep_work(run))
+    double *row = batch_rows_open(run, width, &capacity, &in_trace);
+    if (!row || !method_work_save(run))
         return false;
     p->step.t = run->t;
     const int64_t count = min_steps(min_steps(left, p->batch), (int64_t)capacity),
@@ -255,11 +255,11 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
         return false;
     if (run->plan.adaptive)
         return adapt_many(run, segment, stop);
-    if (p->step.low || left <= 0 || !keep_work(run))
+    if (p->step.low || left <= 0 || !method_work_save(run))
         return false;
     size_t capacity = 0;
     bool in_trace;
-    double *row = open_rows(run, (size_t)n, &capacity, &in_trace);
+    double *row = batch_rows_open(run, (size_t)n, &capacity, &in_trace);
     if (!row)
         return false;
     copy_state(p->previous_state, run->y, n);
@@ -274,7 +274,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     if (!propagator)
         march.count = min_steps(march.count, HOT_ROWS);
     if (propagator)
-        find_block(run, segment, march.first);
+        propagator_block_find(run, segment, march.first);
     int64_t taken = propagator
                         ? propagator_advance(propagator, march.first, march.count, run->y, row)
                         : 0,
@@ -283,7 +283,7 @@ bool advance_many(struct run *run, const struct segment *segment, enum stop *sto
     if (propagated) {
         p->step.warm = false;
     } else if (run->steps < p->given_end) {
-        taken = take_given(run, &march);
+        taken = given_steps_copy(run, &march);
     } else {
         /* The propagator does not know this block: the method makes its steps, but only to the end
          * of the block, so that the states do not depend on how the run is cut into calls. */

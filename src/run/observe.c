@@ -70,7 +70,7 @@ static double phase_after(struct phase_point a, struct phase_point b)
 
 /* Returns the angle [rad] plus the multiple of 2 pi that brings it nearest to the previous one, so
  * that a phase from -pi to pi is continued beyond these. */
-static double with_turns(double angle, double previous)
+static double phase_unwrap(double angle, double previous)
 {
     return fabs(angle - previous) <= M_PI ? angle
                                           : previous + remainder(angle - previous, 2 * M_PI);
@@ -118,7 +118,7 @@ const struct observable *observable_from(const struct row *row)
 /* ---- what they are in a scene ---- */
 
 /* Returns true if the first coordinate is a length. */
-static bool on_a_line(const struct system *system)
+static bool is_on_line(const struct system *system)
 {
     return system_variable(system, 0).quantity == QUANTITY_LENGTH;
 }
@@ -162,7 +162,7 @@ static const char *missing_need(const struct observable *observable, const struc
         return "a scene with positions and velocities";
     if (observable->needs & NEED_ENERGY && !system->energy)
         return "forces that have a potential";
-    if (observable->needs & NEED_LINE && !(system->n == 2 && on_a_line(system)))
+    if (observable->needs & NEED_LINE && !(system->n == 2 && is_on_line(system)))
         return "motion along a line";
     if (observable->needs & NEED_CENTRE && !system->oscillator.whole)
         return "a linear spring, with nothing beside it but drag, gravity and drive";
@@ -273,7 +273,7 @@ void run_errors(const struct run *run, struct run_errors *errors)
         if (here.q == 0 && here.p == 0 && (wanted.q != 0 || wanted.p != 0))
             phase = NAN;
         /* The phase changes by far less than pi from row to row, so its turns can be counted. */
-        phase = with_turns(phase_after(here, wanted), phase);
+        phase = phase_unwrap(phase_after(here, wanted), phase);
     }
 
     /* Error of the exact solution at the end because of rounding. */

@@ -35,7 +35,7 @@ struct propagator {
 
 /* Makes one step of h from y [2], which becomes the new state. Returns false if out of memory or if
  * the step fails. */
-static bool image(const struct run *run, double h, double *y)
+static bool method_step_apply(const struct run *run, double h, double *y)
 {
     struct step step = {
         .system = &run->system, .drag = run->settings.drag, .t = run->system.t0, .h = h, .y = y};
@@ -64,7 +64,8 @@ double propagator_step(const struct propagator *propagator)
 struct propagator *propagator_create(const struct run *run, double h)
 {
     double shift[STATE_SIZE] = {0}, column[STATE_SIZE][STATE_SIZE] = {{1, 0}, {0, 1}};
-    if (!image(run, h, shift) || !image(run, h, column[0]) || !image(run, h, column[1]))
+    if (!method_step_apply(run, h, shift) || !method_step_apply(run, h, column[0]) ||
+        !method_step_apply(run, h, column[1]))
         return NULL;
     real m[STATE_SIZE][STATE_SIZE], power[STATE_SIZE][STATE_SIZE] = {{1, 0}, {0, 1}},
                                     sum[STATE_SIZE] = {0};
@@ -114,7 +115,8 @@ struct propagator *propagator_create(const struct run *run, double h)
 /* Computes the BLOCK_STEPS states after (y, v) into row. The last state is computed in long
  * double and rounded once, because the rounding of a matrix of doubles would add up from block
  * to block. */
-static inline void block(const struct propagator *p, double y, double v, double *restrict row)
+static inline void block_compute(const struct propagator *p, double y, double v,
+                                 double *restrict row)
 {
     for (int i = 0; i < BLOCK_STEPS * STATE_SIZE; i++)
         row[i] = p->first[i] * y + p->second[i] * v + p->shift[i];
@@ -125,21 +127,21 @@ static inline void block(const struct propagator *p, double y, double v, double 
 
 /* Returns the larger one of max and |x|. An x that is not a number is returned, too, so that a
  * state that is not finite cannot be overlooked. */
-static inline double larger(double max, double x)
+static inline double larger_magnitude(double max, double x)
 {
     return fabs(x) <= max ? max : fabs(x);
 }
 
 /* Computes `count` blocks of states from y [2] on, each from the last state of the block before,
  * and notes the largest states in p->max. */
-CLONES static void blocks(struct propagator *p, const double *y, double *restrict row,
-                          int64_t count)
+CLONES static void blocks_compute(struct propagator *p, const double *y, double *restrict row,
+                                  int64_t count)
 {
     double q = y[0], v = y[1];
     for (int64_t i = 0; i < count; i++, row += BLOCK_STEPS * STATE_SIZE) {
-        p->max[0] = larger(p->max[0], q);
-        p->max[1] = larger(p->max[1], v);
-        block(p, q, v, row);
+        p->max[0] = larger_magnitude(p->max[0], q);
+        p->max[1] = larger_magnitude(p->max[1], v);
+        block_compute(p, q, v, row);
         q = row[(BLOCK_STEPS - 1) * STATE_SIZE];
         v = row[(BLOCK_STEPS - 1) * STATE_SIZE + 1];
     }
@@ -192,10 +194,10 @@ int64_t propagator_advance(struct propagator *p, int64_t first, int64_t count, d
         }
         if (inside == 0 && taken >= BLOCK_STEPS) {
             taken -= taken % BLOCK_STEPS;
-            blocks(p, y, row + done * STATE_SIZE, taken / BLOCK_STEPS);
+            blocks_compute(p, y, row + done * STATE_SIZE, taken / BLOCK_STEPS);
         } else {
             taken = taken < BLOCK_STEPS - inside ? taken : BLOCK_STEPS - inside;
-            blocks(p, p->anchor, block_state, 1);
+            blocks_compute(p, p->anchor, block_state, 1);
             memcpy(row + done * STATE_SIZE, block_state + inside * STATE_SIZE,
                    (size_t)taken * STATE_SIZE * sizeof *row);
         }

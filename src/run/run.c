@@ -70,8 +70,8 @@ struct epoch *run_push_epoch(struct run *run)
 
 /* Begins an epoch at the present step, with that system; `start` [n] is the state at which its
  * exact solution begins. Returns false if out of memory. */
-static bool push_epoch(struct run *run, const struct scene *scene, const struct system *system,
-                       const double *start)
+static bool epoch_begin(struct run *run, const struct scene *scene, const struct system *system,
+                        const double *start)
 {
     struct epoch *epoch = run_push_epoch(run);
     if (!epoch)
@@ -119,7 +119,7 @@ static bool needs_side_steps(const struct run *run)
 
 /* Allocates the private part of a new run, its trace and the memory of its method, and records the
  * first state. Returns false if out of memory; run_destroy() frees what there is. */
-static bool allocate(struct run *run)
+static bool run_allocate(struct run *run)
 {
     size_t n = (size_t)run->system.n, work = method_work_size(run->method, run->system.n);
     struct run_private *p = run->private_state = malloc(sizeof *p);
@@ -131,7 +131,7 @@ static bool allocate(struct run *run)
         return false;
     const bool side = needs_side_steps(run);
     p->work = calloc((side ? 2 : 1) * work + 5 * n, sizeof *p->work);
-    if (!p->work || !push_epoch(run, &run->scene, &run->system, run->y) ||
+    if (!p->work || !epoch_begin(run, &run->scene, &run->system, run->y) ||
         !trace_reserve_grids(run->trace, 1))
         return false;
     p->previous_state = p->work + work;
@@ -192,7 +192,7 @@ struct run *run_create(const struct scene *scene, const struct method *method,
     }
     run->t = run->system.t0;
     memcpy(run->y, run->system.start, (size_t)run->system.n * sizeof *run->y);
-    if (!allocate(run)) {
+    if (!run_allocate(run)) {
         run_destroy(run);
         error_memory(error);
         return NULL;
@@ -356,7 +356,7 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
         }
         if (exact)
             system_exact(&last->system, last->t, last->start, run->t, start, NULL);
-        if (!push_epoch(run, scene, &system, start))
+        if (!epoch_begin(run, scene, &system, start))
             return error_memory(error);
         last = &p->epoch[p->epochs - 1];
     }

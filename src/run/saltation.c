@@ -23,21 +23,21 @@ void responses_free(struct responses *all)
 }
 
 /* Returns the derivatives [n + 1] of response i by the variables and by time. */
-static double *slopes_of(const struct run *run, size_t i)
+static double *response_slopes(const struct run *run, size_t i)
 {
     return run->private_state->responses.slope + i * (2 * (size_t)run->system.n + 1);
 }
 
 /* Returns the state [n] to which the derivatives of response i belong; for a jump that before
  * it. */
-static const double *state_of(const struct run *run, size_t i)
+static const double *response_state(const struct run *run, size_t i)
 {
-    return slopes_of(run, i) + run->system.n + 1;
+    return response_slopes(run, i) + run->system.n + 1;
 }
 
 /* Appends a response with unknown derivatives, at this state [n]. Returns false if out of
  * memory. */
-static bool add_response(struct run *run, const struct response *response, const double *state)
+static bool response_append(struct run *run, const struct response *response, const double *state)
 {
     struct responses *all = &run->private_state->responses;
     const int n = run->system.n;
@@ -47,7 +47,7 @@ static bool add_response(struct run *run, const struct response *response, const
                        &all->capacity))
         return false;
     all->response[all->count++] = *response;
-    double *slope = slopes_of(run, all->count - 1);
+    double *slope = response_slopes(run, all->count - 1);
     for (int i = 0; i <= n; i++)
         slope[i] = NAN;
     copy_state(slope + n + 1, state, n);
@@ -61,15 +61,16 @@ bool responses_add_jump(struct run *run, int variable, double previous_value)
         return true;
     copy_state(state, run->y, run->system.n);
     state[variable] = previous_value;
-    return add_response(run, &(struct response){run->steps, run->t, run->y[variable], variable},
-                        state);
+    return response_append(run, &(struct response){run->steps, run->t, run->y[variable], variable},
+                           state);
 }
 
 void run_set_jump_slopes(struct run *run, const double *slope)
 {
     const struct responses *all = &run->private_state->responses;
     if (all->count > 0 && all->response[all->count - 1].step == run->steps)
-        memcpy(slopes_of(run, all->count - 1), slope, ((size_t)run->system.n + 1) * sizeof *slope);
+        memcpy(response_slopes(run, all->count - 1), slope,
+               ((size_t)run->system.n + 1) * sizeof *slope);
 }
 
 /*
@@ -117,10 +118,10 @@ static bool add_event_response(struct run *run, int event, const struct response
                                const double *state)
 {
     const struct watched *watched = &run->private_state->watch->event[event];
-    if (!add_response(run, response, state))
+    if (!response_append(run, response, state))
         return false;
     find_moment_slopes(run, watched, response->t, state,
-                       slopes_of(run, run->private_state->responses.count - 1));
+                       response_slopes(run, run->private_state->responses.count - 1));
     return true;
 }
 
@@ -161,7 +162,7 @@ bool responses_moment_moves(const struct run *run)
     bool moves = false;
     for (size_t i = all->count; i > 0 && all->response[i - 1].t == run->t; i--)
         for (int k = 0; k < run->system.n && all->response[i - 1].variable == RESPONSE_MOMENT; k++)
-            moves = moves || slopes_of(run, i - 1)[k] != 0;
+            moves = moves || response_slopes(run, i - 1)[k] != 0;
     return moves;
 }
 
@@ -176,9 +177,9 @@ void responses_truncate(struct run *run)
 
 /* Returns sum_i slope_i (y_i - state_i) + slope_n moved: how much the event's function, or the
  * value after a jump, differs for a solution that is at y [n] and `moved` [s] later. */
-static double difference_by(const struct run *run, size_t i, const double *y, double moved)
+static double response_difference(const struct run *run, size_t i, const double *y, double moved)
 {
-    const double *slope = slopes_of(run, i), *state = state_of(run, i);
+    const double *slope = response_slopes(run, i), *state = response_state(run, i);
     const int n = run->system.n;
     double sum = moved != 0 || isnan(slope[n]) ? slope[n] * moved : 0;
     for (int k = 0; k < n; k++)
@@ -191,7 +192,7 @@ static double difference_by(const struct run *run, size_t i, const double *y, do
 static double function_error(const struct run *run, const struct saltation *saltation, size_t i,
                              const double *y)
 {
-    const double *slope = slopes_of(run, i), *state = state_of(run, i);
+    const double *slope = response_slopes(run, i), *state = response_state(run, i);
     double sum = 0;
     for (int k = 0; k < run->system.n; k++)
         if (slope[k] != 0)
@@ -206,14 +207,14 @@ static double moment_moved(const struct run *run, const struct saltation *saltat
                            const struct system *system, size_t i, const double *y)
 {
     static const double bent = 0.3; /* share of rate^2: errors twice as large still meet it */
-    const double *slope = slopes_of(run, i), *state = state_of(run, i);
+    const double *slope = response_slopes(run, i), *state = response_state(run, i);
     const struct response *response = &run->private_state->responses.response[i];
     const int n = run->system.n;
     double f[LIMIT_VARIABLES], rate = slope[n];
     system_derivative(system, response->t, state, f);
     for (int k = 0; k < n; k++)
         rate += slope[k] * f[k];
-    const double exact = difference_by(run, i, y, 0), bend = response->value;
+    const double exact = response_difference(run, i, y, 0), bend = response->value;
     if (exact == 0 && rate == 0)
         return 0;
     /* The moment itself is rounded. */
@@ -281,7 +282,7 @@ bool saltation_enter(const struct run *run, struct saltation *saltation,
         if (i < all->count && all->response[i].t == t &&
             all->response[i].variable == RESPONSE_MOMENT) {
             saltation->moved = moment_moved(run, saltation, system, i, y);
-            saltation_note(saltation, system->n, state_of(run, i), y);
+            saltation_note(saltation, system->n, response_state(run, i), y);
             saltation->lost = isnan(saltation->moved) ? t : saltation->lost;
         }
     }
@@ -295,7 +296,7 @@ bool saltation_enter(const struct run *run, struct saltation *saltation,
 static double jump_rounding(const struct run *run, size_t i)
 {
     static const double typical = DBL_EPSILON / 4;
-    const double *slope = slopes_of(run, i), *state = state_of(run, i);
+    const double *slope = response_slopes(run, i), *state = response_state(run, i);
     double sum = 0;
     for (int k = 0; k < run->system.n; k++)
         sum += slope[k] != 0 ? fabs(slope[k] * state[k]) : 0;
@@ -313,7 +314,7 @@ bool saltation_jump(const struct run *run, const struct saltation *saltation, in
             continue;
         /* Both solutions are rounded alike, so their difference would not contain the rounding
          * error, which matters for a map that magnifies errors: it is added. */
-        const double deviation = difference_by(run, i, y, saltation->moved);
+        const double deviation = response_difference(run, i, y, saltation->moved);
         y[response->variable] =
             response->value + deviation + copysign(jump_rounding(run, i), deviation);
         return isfinite(y[response->variable]);

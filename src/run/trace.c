@@ -75,7 +75,7 @@ void trace_set_mark(struct trace *trace, size_t i, const struct energy_tally *ta
 }
 
 /* Makes room for the marks of the rows in all chunks. Returns false if out of memory. */
-static bool grow_marks(struct trace *trace)
+static bool marks_grow(struct trace *trace)
 {
     const size_t bytes = CHUNK_ROWS * trace->mark_width * sizeof(double);
     double **mark = realloc(trace->mark, trace->capacity * sizeof *mark);
@@ -112,7 +112,7 @@ bool trace_mark_rows(struct trace *trace, bool work)
     made.mark_pool = (struct pool){0};
     made.marks = 0;
     made.mark_width = work ? MARK_WORK : MARK_EXTREMES;
-    if (made.chunks > 0 && !grow_marks(&made)) {
+    if (made.chunks > 0 && !marks_grow(&made)) {
         free_marks(&made);
         return false;
     }
@@ -148,7 +148,7 @@ bool trace_reserve_rows(struct trace *trace, size_t rows)
 {
     const size_t needed = ((trace->count + rows - 1) >> CHUNK_SHIFT) + 1;
     return (needed <= trace->chunks || trace_chunks_grow(trace)) &&
-           (!trace_marked(trace) || needed <= trace->marks || grow_marks(trace)) &&
+           (!trace_marked(trace) || needed <= trace->marks || marks_grow(trace)) &&
            (!trace_indexed(trace) || needed <= trace->indices || trace_grow_index(trace));
 }
 
@@ -167,8 +167,8 @@ void trace_write_row(struct trace *trace, size_t i, int64_t step, double t, cons
 }
 
 /* Adds a row at the end. Returns false if out of memory. */
-static bool append(struct trace *trace, int64_t step, double t, const double *y,
-                   const struct energy_tally *mark)
+static bool row_append(struct trace *trace, int64_t step, double t, const double *y,
+                       const struct energy_tally *mark)
 {
     if (!trace_reserve_rows(trace, 1))
         return false;
@@ -186,14 +186,14 @@ void trace_clear_rows(struct trace *trace)
 bool trace_put_row(struct trace *trace, int64_t step, const double *row,
                    const struct energy_tally *mark)
 {
-    return append(trace, step, row[trace->width - 1], row, mark);
+    return row_append(trace, step, row[trace->width - 1], row, mark);
 }
 
 /* ---- recording ---- */
 
 bool trace_append(struct trace *trace, int64_t step, double t, const double *y)
 {
-    return trace->count < trace->cap && append(trace, step, t, y, &unknown_tally);
+    return trace->count < trace->cap && row_append(trace, step, t, y, &unknown_tally);
 }
 
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
@@ -208,7 +208,7 @@ bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
     if (trace->count == trace->cap && !(trace->decimates && trace_coarsen(trace)))
         return false;
     if (!(trace->bucket > 1 ? trace_keep(trace, step, t, y)
-                            : append(trace, step, t, y, &unknown_tally)))
+                            : row_append(trace, step, t, y, &unknown_tally)))
         return false;
     trace->next = step + trace->every;
     return true;

@@ -4,7 +4,7 @@
 #include "run/private.h"
 
 /* Sets walk->state to y times the factor with which energies stay in range. */
-static void take_state(struct walk *walk, const double *y)
+static void walk_state_scale(struct walk *walk, const double *y)
 {
     double factor = walk->run->private_state->factor;
     for (int i = 0; i < walk->run->system.n; i++)
@@ -37,7 +37,7 @@ static void walk_sample_fill(struct walk *walk, int64_t step, double t, const do
 /* Makes a table of the exact solution for the epoch of `step`, if rows are at equal times: what the
  * solution does from row to row is computed once. A method that uses the exact solution itself is
  * compared with the very same function, without a table. */
-static void tabulate(struct walk *walk, int64_t step)
+static void exact_tabulate(struct walk *walk, int64_t step)
 {
     const struct run *run = walk->run;
     const struct epoch *epoch = run_epoch(run, step);
@@ -62,7 +62,7 @@ void walk_begin(struct walk *walk, const struct run *run, unsigned needs)
         if (run->plan.ledger)
             ledger_demand(run);
         const double *y = trace_state(run->trace, 0);
-        take_state(walk, y);
+        walk_state_scale(walk, y);
         walk->sample.initial =
             system_energy(&run_epoch(run, 0)->system, needs & NEED_RATIO ? walk->state : y);
         balance_begin(run, &walk->balance);
@@ -71,14 +71,14 @@ void walk_begin(struct walk *walk, const struct run *run, unsigned needs)
 }
 
 /* Returns the value of a compensated sum. */
-static double total(struct compensated_sum sum)
+static double compensated_value(struct compensated_sum sum)
 {
     return sum.high + sum.low;
 }
 
 /* Computes the work at the recorded row i of a trace that has each step and no marks. The balance
  * advances by blocks of rows as the walk reaches them. */
-static void work_on_the_way(struct walk *walk, size_t i, double *work, double *drag)
+static void work_from_rows(struct walk *walk, size_t i, double *work, double *drag)
 {
     const struct run *run = walk->run;
     if (i == walk->done_end) {
@@ -95,7 +95,7 @@ static void work_on_the_way(struct walk *walk, size_t i, double *work, double *d
 
 /* Sets the work, and that of drag, since the start up to row i, in units of factor^2 J; NAN if they
  * are not known. */
-static void work_at(struct walk *walk, size_t i, double *work, double *drag)
+static void work_at_row(struct walk *walk, size_t i, double *work, double *drag)
 {
     const struct run *run = walk->run;
     *work = *drag = 0;
@@ -107,7 +107,7 @@ static void work_at(struct walk *walk, size_t i, double *work, double *drag)
         return;
     }
     if (!trace_marked(run->trace) && i < run->trace->count) {
-        work_on_the_way(walk, i, work, drag);
+        work_from_rows(walk, i, work, drag);
         return;
     }
     if (i < run->trace->count) {
@@ -117,8 +117,8 @@ static void work_at(struct walk *walk, size_t i, double *work, double *drag)
         balance_present(run, &present);
         tally = present.tally;
     }
-    *work = total(tally.work);
-    *drag = total(tally.drag);
+    *work = compensated_value(tally.work);
+    *drag = compensated_value(tally.drag);
 }
 
 void walk_leave(struct walk *walk)
@@ -136,12 +136,12 @@ bool walk_next(struct walk *walk)
         return false;
     }
     if (walk->needs & NEED_EXACT)
-        tabulate(walk, trace_step(run->trace, i));
+        exact_tabulate(walk, trace_step(run->trace, i));
     const double *y = trace_state(run->trace, i);
     double work = 0, drag = 0;
-    take_state(walk, y);
+    walk_state_scale(walk, y);
     if (walk->needs & NEED_WORK)
-        work_at(walk, i, &work, &drag);
+        work_at_row(walk, i, &work, &drag);
     walk_sample_fill(walk, trace_step(run->trace, i), trace_time(run->trace, i), y, work, drag);
     return true;
 }
@@ -154,9 +154,9 @@ void walk_present(struct walk *walk, const struct run *run, unsigned needs)
         struct balance present = {.tally = {.work = {NAN, 0}, .drag = {NAN, 0}}};
         if (ledger_demand(run))
             balance_present(run, &present);
-        work = total(present.tally.work);
-        drag = total(present.tally.drag);
+        work = compensated_value(present.tally.work);
+        drag = compensated_value(present.tally.drag);
     }
-    take_state(walk, run->y);
+    walk_state_scale(walk, run->y);
     walk_sample_fill(walk, run->steps, run->t, run->y, work, drag);
 }

@@ -67,7 +67,7 @@ void switch_arguments(const struct system *system, double t, const double *y, do
 }
 
 /* Returns the branch of switch i on which the system is frozen. */
-static double branch_on(const struct system *frozen, int i)
+static double frozen_branch(const struct system *frozen, int i)
 {
     if (!is_dry(frozen, i))
         return typed_branch(frozen, i);
@@ -133,7 +133,7 @@ void system_guards(const struct system *frozen, double t, const double *y, doubl
     const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;
     switch_arguments(side, t, y, guard);
     for (int i = 0; i < frozen->switches; i++) {
-        const double branch = branch_on(side, i);
+        const double branch = frozen_branch(side, i);
         guard[i] = switch_kind_of(side, i) == SWITCH_SIGN
                        ? (branch > 0 ? guard[i] : -guard[i])
                        : (guard[i] - branch) * (branch + 1 - guard[i]);
@@ -148,7 +148,7 @@ double system_next_branch(const struct system *frozen, int i, double t, const do
     if (!isnan(leaves))
         return leaves;
     const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;
-    const double branch = branch_on(side, i);
+    const double branch = frozen_branch(side, i);
     double argument[LIMIT_SWITCHES];
     switch_arguments(side, t, y, argument);
     return switch_kind_of(side, i) == SWITCH_SIGN ? branch == 0

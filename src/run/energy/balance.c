@@ -42,7 +42,8 @@ static void add_work(struct energy_tally *tally, struct work_done *done, int beg
 }
 
 /* Notes unchanged totals after each step, in which no work was done. */
-static void same_work(const struct energy_tally *tally, struct work_done *done, int begin, int end)
+static void unchanged_work_note(const struct energy_tally *tally, struct work_done *done, int begin,
+                                int end)
 {
     const double work = tally->work.high + tally->work.low,
                  drag = tally->drag.high + tally->drag.low;
@@ -147,7 +148,8 @@ double balance_energy(const struct run *run, const struct system *system, const 
 
 /* Adds the change of energy by a change of the scene, if the epoch begins at the balance's step; it
  * counts as work. */
-static void enter(const struct run *run, struct balance *balance, const struct epoch *epoch)
+static void epoch_change_add(const struct run *run, struct balance *balance,
+                             const struct epoch *epoch)
 {
     if (epoch > run->private_state->epoch && epoch->first == balance->step)
         sum_add(&balance->tally.work, balance_energy(run, &epoch->system, balance->y) -
@@ -162,8 +164,8 @@ static int64_t min_steps(int64_t a, int64_t b)
 /* Sets the times of work->count steps after the balance's, and reduces the count to those of one
  * grid; if another grid begins there, to the one step that leads to it. times [2] is memory for
  * that. */
-static void on_grid(const struct run *run, const struct balance *balance, struct work *work,
-                    double *times)
+static void grid_steps_set(const struct run *run, const struct balance *balance, struct work *work,
+                           double *times)
 {
     const struct trace *trace = run->trace;
     const struct time_grid *grid = trace_grid_of(trace, balance->step + 1);
@@ -217,7 +219,7 @@ static int block_done(const struct run *run, struct balance *balance, const stru
             times[k + 1] = time[(size_t)k * stride];
         work.t = times;
     } else {
-        on_grid(run, balance, &work, times);
+        grid_steps_set(run, balance, &work, times);
     }
     work_between(&work, done);
     if (!epoch->system.conservative)
@@ -227,11 +229,11 @@ static int block_done(const struct run *run, struct balance *balance, const stru
 
 /* Adds steps `begin` to `end` of the work done to the balance; `still` means that no work is done
  * at all. */
-static void tally_up(struct balance *balance, bool still, struct work_done *done, int begin,
-                     int end)
+static void tally_steps(struct balance *balance, bool still, struct work_done *done, int begin,
+                        int end)
 {
     if (still)
-        same_work(&balance->tally, done, begin, end);
+        unchanged_work_note(&balance->tally, done, begin, end);
     else
         add_work(&balance->tally, done, begin, end);
     note_extremes(&balance->tally, balance->initial, done, begin, end);
@@ -255,11 +257,11 @@ static void tally_marking(const struct run *run, struct balance *balance, bool s
             break;
         if (trace_mark(trace, i).scale >= 0) /* inside of the step */
             continue;
-        tally_up(balance, still, done, begin, (int)end);
+        tally_steps(balance, still, done, begin, (int)end);
         begin = (int)end;
         trace_set_mark(trace, i, &balance->tally);
     }
-    tally_up(balance, still, done, begin, count);
+    tally_steps(balance, still, done, begin, count);
 }
 
 int balance_block(const struct run *run, struct balance *balance, const double *row,
@@ -267,7 +269,7 @@ int balance_block(const struct run *run, struct balance *balance, const double *
                   bool marking)
 {
     const struct epoch *epoch = run_epoch(run, balance->step + 1);
-    enter(run, balance, epoch);
+    epoch_change_add(run, balance, epoch);
     const int count = block_done(run, balance, epoch, row, time, stride, max, done);
     const struct kick *kick = next_kick(run->private_state, balance->step);
     const bool kicked = kick && kick->step == balance->step + 1,
@@ -275,7 +277,7 @@ int balance_block(const struct run *run, struct balance *balance, const double *
     if (marking)
         tally_marking(run, balance, still, done, count);
     else
-        tally_up(balance, still, done, 0, count);
+        tally_steps(balance, still, done, 0, count);
     balance->step += count;
     const size_t last = (size_t)(count - 1) * stride;
     balance->t =
@@ -297,11 +299,11 @@ void balance_extend(const struct run *run, struct balance *balance, double t, co
                         .stride = (size_t)run->system.n,
                         .t = times,
                         .turns = &run->private_state->turns};
-    enter(run, balance, epoch);
+    epoch_change_add(run, balance, epoch);
     work_between(&work, &done);
     if (!epoch->system.conservative && t != balance->t)
         work_check(run, balance, &work, &done);
-    tally_up(balance, epoch->system.conservative || t == balance->t, &done, 0, 1);
+    tally_steps(balance, epoch->system.conservative || t == balance->t, &done, 0, 1);
     balance->step++;
     balance->t = t;
     copy_state(balance->y, y, run->system.n);

@@ -138,7 +138,7 @@ void ledger_will_not_repeat(struct run *run)
  * Thinning of a full trace that has each step. It is done in parts, between which the program looks
  * at keys and at Ctrl-C: choose the rows that stay, make room for their marks, compute the marks,
  * move the rows. Until the last part the trace shows each step, and the members here are those that
- * struct trace will have; exchange() swaps them while a part is done.
+ * struct trace will have; thinning_exchange() swaps them while a part is done.
  */
 struct thinning {
     int64_t bucket;
@@ -149,7 +149,7 @@ struct thinning {
 static const int64_t part_ns = 5000000; /* length of a part */
 
 /* Swaps the members of the trace that thinning changes with those in *other. */
-static void exchange(struct trace *trace, struct thinning *other)
+static void thinning_exchange(struct trace *trace, struct thinning *other)
 {
     const struct thinning was = {trace->bucket, trace->count, trace->mark_width, {.step = 0}};
     trace->bucket = other->bucket;
@@ -169,7 +169,7 @@ bool ledger_is_due(const struct run *run)
 
 /* Computes marks of rows that stay, for part_ns; the trace has each of `rows` rows still. Returns
  * false if Ctrl-C left a mark that is wrong. */
-static bool mark_staying(const struct run *run, struct balance *balance, size_t rows)
+static bool staying_rows_mark(const struct run *run, struct balance *balance, size_t rows)
 {
     const int64_t begin = clock_ns();
     struct work_done done;
@@ -201,7 +201,7 @@ static bool thinning_begin(struct run_private *p, struct trace *trace)
     *p->thinning = (struct thinning){.bucket = 1, .count = trace->count};
     const bool thinned = trace_thin(trace);
     if (thinned)
-        exchange(trace, p->thinning);
+        thinning_exchange(trace, p->thinning);
     else
         ledger_forget_thinning(p);
     return thinned;
@@ -216,9 +216,9 @@ bool ledger_thin(struct run *run)
         return thinning_begin(p, trace);
     struct balance *balance = &p->thinning->balance;
     bool fine = true, right = true;
-    exchange(trace, p->thinning);
+    thinning_exchange(trace, p->thinning);
     if (trace_marked(trace)) {
-        right = mark_staying(run, balance, all);
+        right = staying_rows_mark(run, balance, all);
     } else if ((fine = trace_mark_rows(trace, run->plan.ledger))) {
         balance_begin(run, balance);
         trace_set_mark(trace, 0, &balance->tally);
@@ -228,7 +228,7 @@ bool ledger_thin(struct run *run)
         p->balance = *balance;
         trace_thinned(trace);
     } else {
-        exchange(trace, p->thinning);
+        thinning_exchange(trace, p->thinning);
     }
     if (done || !fine || !right)
         ledger_forget_thinning(p);
@@ -333,7 +333,7 @@ void ledger_back(struct run *run)
 }
 
 /* Multiplies all sums of a tally by a factor. */
-static void rescale(struct energy_tally *tally, double factor)
+static void tally_scale(struct energy_tally *tally, double factor)
 {
     double *value[] = {&tally->work.high, &tally->work.low, &tally->drag.high,
                        &tally->drag.low,  &tally->max,      &tally->scale};
@@ -353,11 +353,11 @@ void ledger_rescale(struct run *run, double factor)
         balance_begin(run, &p->balance);
         return;
     }
-    rescale(&p->balance.tally, ratio);
+    tally_scale(&p->balance.tally, ratio);
     p->balance.initial *= ratio;
     for (size_t i = 0; i < run->trace->count; i++) {
         struct energy_tally mark = trace_mark(run->trace, i);
-        rescale(&mark, ratio);
+        tally_scale(&mark, ratio);
         trace_set_mark(run->trace, i, &mark);
     }
 }

@@ -22,7 +22,7 @@
 #include <string.h>
 
 /* Returns the length [s] of step k. */
-static double length_of(const struct work *work, int k)
+static double step_length(const struct work *work, int k)
 {
     return work->t ? work->t[k + 1] - work->t[k] : work->h;
 }
@@ -94,8 +94,8 @@ static double turning_point(struct quintic p)
 
 /* Adds the work from the fraction s_begin to s_end of the step, by Lobatto's rule with four
  * points. */
-static void add_part(const struct system *system, bool drags, const struct quintic *p, double t,
-                     double s_begin, double s_end, double *work, double *drag)
+static void quintic_work_add(const struct system *system, bool drags, const struct quintic *p,
+                             double t, double s_begin, double s_end, double *work, double *drag)
 {
     const double node[] = {0, LOBATTO_INNER, 1 - LOBATTO_INNER, 1},
                  weight[] = {1. / 12, 5. / 12, 5. / 12, 1. / 12};
@@ -113,8 +113,8 @@ static void add_part(const struct system *system, bool drags, const struct quint
 /* Computes the work of a step under dry friction, which jumps where the body turns, so that no
  * quintic holds. Solves the motion over the step again by dopri5, whose steps end at such points,
  * and adds the work of each of these. Returns false if that fails. */
-static bool across_dry(const struct system *system, const struct quintic *p, double t, double *work,
-                       double *drag)
+static bool dry_step_work(const struct system *system, const struct quintic *p, double t,
+                          double *work, double *drag)
 {
     const struct method *method = method_find("dopri5");
     double y[2] = {p->q0, p->v0}, memory[STEP_MEMORY];
@@ -136,28 +136,28 @@ static bool across_dry(const struct system *system, const struct quintic *p, dou
         sliding_free(&sliding);
         const struct quintic part = {step.t - t_begin, q0, v0, a[0], y[0], y[1], a[1]};
         if (part.h != 0)
-            add_part(system, drags, &part, t_begin, 0, 1, work, drag);
+            quintic_work_add(system, drags, &part, t_begin, 0, 1, work, drag);
     }
     return there && step.t == t + p->h;
 }
 
 /* Computes the work of a step with a turning point: up to there and from there on, or by
- * across_dry(). */
-static void work_across(const struct system *system, const struct quintic *p, double t,
-                        double *work, double *drag)
+ * dry_step_work(). */
+static void turning_step_work(const struct system *system, const struct quintic *p, double t,
+                              double *work, double *drag)
 {
-    if (system->dry && across_dry(system, p, t, work, drag))
+    if (system->dry && dry_step_work(system, p, t, work, drag))
         return;
     if (p->v0 * p->v1 >= 0) {
         *work = *drag = 0;
-        add_part(system, drags_only(system), p, t, 0, 1, work, drag);
+        quintic_work_add(system, drags_only(system), p, t, 0, 1, work, drag);
         return;
     }
     const double s = turning_point(*p);
     const bool drags = drags_only(system);
     *work = *drag = 0;
-    add_part(system, drags, p, t, 0, s, work, drag);
-    add_part(system, drags, p, t, s, 1, work, drag);
+    quintic_work_add(system, drags, p, t, 0, s, work, drag);
+    quintic_work_add(system, drags, p, t, s, 1, work, drag);
 }
 
 /* ---- any system ---- */
@@ -200,7 +200,7 @@ static bool switches_differ(const struct system *system, const double t[4], doub
 
 /* Returns true if, in a step in which the velocity changes its sign, the force jumps at v = 0 or
  * another switch changes its branch. A force like |v| v has only a kink there. */
-static bool turn_jumps(const struct system *system, const struct quintic *p, double t)
+static bool force_jumps_at_turn(const struct system *system, const struct quintic *p, double t)
 {
     const double s = p->v0 * p->v1 < 0 ? turning_point(*p) : fabs(p->v0) > fabs(p->v1),
                  still = fmax(fabs(p->v0), fabs(p->v1)) * NEAR_REST, turn = t + s * p->h;
@@ -222,8 +222,8 @@ static bool turn_jumps(const struct system *system, const struct quintic *p, dou
 bool work_turn(const struct system *system, const struct quintic *p, double t, double *work,
                double *drag)
 {
-    work_across(system, p, t, work, drag);
-    return !system->dry && turn_jumps(system, p, t);
+    turning_step_work(system, p, t, work, drag);
+    return !system->dry && force_jumps_at_turn(system, p, t);
 }
 
 /* Sets y [n] to the state after k steps, times work->factor. */
@@ -256,7 +256,7 @@ static void work_of_any(const struct work *work, struct work_done *done)
         done->jumps[k] = done->coarse[k] = false;
         if (system->conservative)
             continue;
-        const double t = work_time(work, k), h = length_of(work, k);
+        const double t = work_time(work, k), h = step_length(work, k);
         system_acceleration(system, work_time(work, k + 1), y[current], a[current]);
         p[current] = power_at(system, drags, work_time(work, k + 1), y[current]);
         if (h == 0)

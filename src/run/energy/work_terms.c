@@ -41,7 +41,7 @@ struct oscillator_terms {
 static const int pendulum_index[] = {PLACE_weight, PLACE_damping, PLACE_drive};
 
 /* Returns the index of a term of the system among those above, or PLACES if it is none of them. */
-static ptrdiff_t index_of(const struct system *system, const struct term_row *row)
+static ptrdiff_t term_index(const struct system *system, const struct term_row *row)
 {
     const struct term_row *rows =
         (const struct term_row *)(const void *)catalog_row(system->model->terms, 0);
@@ -65,7 +65,7 @@ static unsigned terms_of(const struct system *system, struct oscillator_terms *l
     if (system->n != 2 || system->typed.row)
         return 0;
     for (int i = 0; i < system->terms; i++) {
-        const ptrdiff_t index = index_of(system, system->term[i].row);
+        const ptrdiff_t index = term_index(system, system->term[i].row);
         if (index == PLACES || !((OSCILLATOR_TERMS | PENDULUM_TERMS) & 1u << index))
             return 0;
         terms |= 1u << index;
@@ -159,7 +159,8 @@ ALWAYS_INLINE double energy_at(unsigned terms, const struct oscillator_terms *li
 
 /* Scales the states after each step and enters them into the block. The stride is a constant in the
  * common case, so that the loop vectorises. */
-ALWAYS_INLINE void take_rows(const struct work *work, size_t stride, struct work_block *restrict b)
+ALWAYS_INLINE void block_rows_scale(const struct work *work, size_t stride,
+                                    struct work_block *restrict b)
 {
     const double factor = work->factor;
     for (int k = 0; k < work->count; k++) {
@@ -169,19 +170,19 @@ ALWAYS_INLINE void take_rows(const struct work *work, size_t stride, struct work
 }
 
 /* Enters the states before and after all steps into the block. */
-ALWAYS_INLINE void take_states(const struct work *work, struct work_block *restrict b)
+ALWAYS_INLINE void block_states_scale(const struct work *work, struct work_block *restrict b)
 {
     b->q[0] = work->initial_state[0] * work->factor;
     b->v[0] = work->initial_state[1] * work->factor;
     if (work->stride == 2)
-        take_rows(work, 2, b);
+        block_rows_scale(work, 2, b);
     else
-        take_rows(work, work->stride, b);
+        block_rows_scale(work, work->stride, b);
 }
 
 /* Enters the steps and their inverses into the block, in loops without branches, so that they
  * vectorise. */
-ALWAYS_INLINE void take_lengths(const struct work *work, struct work_block *restrict b)
+ALWAYS_INLINE void block_steps_set(const struct work *work, struct work_block *restrict b)
 {
     const double h = work->h, rate = 1 / h;
     if (!work->t) {
@@ -205,7 +206,7 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
                               struct work_done *restrict done)
 {
     const int count = work->count;
-    take_states(work, b);
+    block_states_scale(work, b);
     const double force = line->c[PLACE_drive][3];
     if (terms & HAS(weight))
         take_sines(count, b->q + 1, 0.5, b->half + 1);
@@ -217,7 +218,7 @@ ALWAYS_INLINE void block_work(unsigned terms, const struct oscillator_terms *lin
         memset(done->drag, 0, (size_t)count * sizeof *done->drag);
         return;
     }
-    take_lengths(work, b);
+    block_steps_set(work, b);
     if (terms & HAS(weight))
         take_sines(count + 1, b->q, 1, b->sine);
     for (int k = 0; k <= count; k++) {
@@ -290,7 +291,7 @@ static const struct kind {
  * from there on sums of angles. A table holds the multiples of omega h, so that each value is one
  * product away from the library's. c is that of the drive: its amplitude, angular frequency and
  * phase. */
-static void even_cosines(const struct work *work, const double *c, struct work_block *b)
+static void drive_cosines_even(const struct work *work, const double *c, struct work_block *b)
 {
     struct turns *turns = work->turns;
     if (turns->omega != c[1] || turns->h != work->h) {
@@ -318,11 +319,11 @@ static void even_cosines(const struct work *work, const double *c, struct work_b
 }
 
 /* Computes the cosines of the drive at the states and inner points of a block; c is that of
- * even_cosines(). */
-static void cosines(const struct work *work, const double *c, struct work_block *b)
+ * drive_cosines_even(). */
+static void drive_cosines(const struct work *work, const double *c, struct work_block *b)
 {
     if (!work->t) {
-        even_cosines(work, c, b);
+        drive_cosines_even(work, c, b);
         return;
     }
     for (int k = 0; k <= work->count; k++) {
@@ -337,7 +338,8 @@ static void cosines(const struct work *work, const double *c, struct work_block 
 
 /* Computes the work anew for steps in which the velocity changes its sign, in two parts, and marks
  * those in which the force jumps. */
-static void turn_across(const struct work *work, const struct work_block *b, struct work_done *done)
+static void turning_steps_correct(const struct work *work, const struct work_block *b,
+                                  struct work_done *done)
 {
     for (int k = 0; k < work->count; k++) {
         done->jumps[k] = false;
@@ -359,7 +361,7 @@ bool work_of_terms(const struct work *work, struct work_done *done)
     if (!terms)
         return false;
     if (terms & HAS(drive))
-        cosines(work, line.c[PLACE_drive], &b);
+        drive_cosines(work, line.c[PLACE_drive], &b);
     const struct kind *kind = kinds;
     while (terms & ~kind->terms)
         kind++;
@@ -367,6 +369,6 @@ bool work_of_terms(const struct work *work, struct work_done *done)
         memset(b.cosine, 0, sizeof b.cosine);
     kind->work(&line, work, &b, done);
     if (work->system->kinks)
-        turn_across(work, &b, done);
+        turning_steps_correct(work, &b, done);
     return true;
 }

@@ -110,7 +110,7 @@ static void add_new_rows(const struct run *run, struct distances *d)
 
 /* Returns the unit of a distance of variable i: its largest value, or its natural size if it has
  * hardly moved and the distance is comparable to what it moved, which may be errors alone. */
-static double size_of(const struct run *run, const struct distances *d, int i, double distance)
+static double error_unit(const struct run *run, const struct distances *d, int i, double distance)
 {
     static const double at_rest = 0.01, unknown = 0.1;
     const double natural = run->controller.scale[i];
@@ -119,8 +119,8 @@ static double size_of(const struct run *run, const struct distances *d, int i, d
 }
 
 /* Compares state y with the run's `own` state at t, and updates the opinion. */
-static void compare(struct run *run, struct distances *d, double t, const double *own,
-                    const double *y)
+static void opinion_compare(struct run *run, struct distances *d, double t, const double *own,
+                            const double *y)
 {
     struct opinion *opinion = &run->opinion;
     const double elapsed = fabs(t - d->t), way = fabs(t - run->system.t0);
@@ -129,7 +129,7 @@ static void compare(struct run *run, struct distances *d, double t, const double
         const double distance = fabs(own[i] - y[i]);
         opinion->end[i] = distance;
         if (distance > 0)
-            here = fmax(here, distance / size_of(run, d, i, distance));
+            here = fmax(here, distance / error_unit(run, d, i, distance));
     }
     d->t = t;
     d->sum += elapsed * here;
@@ -209,7 +209,8 @@ static void against_closed_form(struct run *run, enum opinion_effort effort)
             return;
         system_exact(&epoch->system, epoch->t, epoch->start, trace_time(trace, row), exact, floor);
         saltation_note(&second->saltation, run->system.n, trace_state(trace, row), exact);
-        compare(run, &second->distances, trace_time(trace, row), trace_state(trace, row), exact);
+        opinion_compare(run, &second->distances, trace_time(trace, row), trace_state(trace, row),
+                        exact);
     }
     second->compared_step = trace_step(trace, trace_count(trace) - 1);
 }
@@ -352,7 +353,7 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
             !second_go(run, second, t, max, cancel))
             return false;
         second->compared_step = trace_step(trace, row);
-        compare(run, &second->distances, t, trace_state(trace, row), second->follower.y);
+        opinion_compare(run, &second->distances, t, trace_state(trace, row), second->follower.y);
         saltation_note(&second->saltation, run->system.n, trace_state(trace, row),
                        second->follower.y);
         if ((double)second->compared_step >= OPINION_STEP_RATIO * (double)second->past[1].step) {
@@ -372,7 +373,7 @@ static bool second_follow(struct run *run, double max, bool lost, const struct c
  * what happens in a step stays alike. Only decides whether the second solution is worth more work;
  * no user sees it.
  */
-static double extrapolated(const struct run *run, const struct second *second)
+static double error_extrapolate(const struct run *run, const struct second *second)
 {
     const double way = (double)second->compared_step, whole = (double)run->steps,
                  error = run->opinion.error;
@@ -431,7 +432,7 @@ static void against_second(struct run *run, enum opinion_effort effort, const st
                tells =
                    !is_brief || BRIEF_TELLS * (double)second->compared_step > (double)run->steps;
     const double doubtful = is_brief ? OPINION_LOST : OPINION_WRONG * run->controller.tol;
-    if (spent && tells && extrapolated(run, second) > doubtful)
+    if (spent && tells && error_extrapolate(run, second) > doubtful)
         second_follow(run, fmax(OPINION_BUDGET_DOUBT / run->system.n, OPINION_DOUBT * own), true,
                       cancel);
 }
@@ -479,7 +480,7 @@ double opinion_size(const struct run *run, int i)
 {
     const struct second *second = run->private_state->second;
     const bool known = second && !isnan(run_opinion_error(run));
-    return known ? size_of(run, &second->distances, i, run->opinion.end[i]) : HUGE_VAL;
+    return known ? error_unit(run, &second->distances, i, run->opinion.end[i]) : HUGE_VAL;
 }
 
 double run_opinion_sunk(const struct run *run)

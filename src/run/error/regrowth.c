@@ -151,7 +151,7 @@ static void find_rest(struct regrowth *r, int i)
 }
 
 /* Returns the largest distance of the two solutions in a resting variable, in r->size. */
-static double distance(const struct regrowth *r)
+static double solutions_distance(const struct regrowth *r)
 {
     double max = 0;
     for (int i = 0; i < r->run->system.n; i++)
@@ -162,7 +162,7 @@ static double distance(const struct regrowth *r)
 
 /* Displaces resting variables in which the two solutions are nearer than r->displacement, up to
  * that. */
-static void displace(struct regrowth *r)
+static void solutions_displace(struct regrowth *r)
 {
     for (int i = 0; i < r->run->system.n; i++) {
         const double base = r->base.y[i], displacement = r->displaced.y[i] - base,
@@ -310,7 +310,8 @@ static bool run_agrees(const struct regrowth *r, const double *own)
 
 /* Adds the growth of the distance up to t. Then continues both from `own` (the base itself, or the
  * run's state), with their distance scaled back if it has become large. */
-static void compare(struct regrowth *r, struct growth *growth, const double *own, double t)
+static void solutions_compare(struct regrowth *r, struct growth *growth, const double *own,
+                              double t)
 {
     double now = 0, factor = 1;
     const bool failed = r->base.step.t != t || r->displaced.step.t != t; /* no solution there */
@@ -318,7 +319,7 @@ static void compare(struct regrowth *r, struct growth *growth, const double *own
         r->base.step.t = r->displaced.step.t = t;
         copy_state(r->displaced.y, r->base.y, r->run->system.n);
     } else {
-        now = distance(r);
+        now = solutions_distance(r);
         growth_add(growth, t, now > 0 ? fixed_log(now / r->previous_distance) : -HUGE_VAL,
                    r->base.controller.tol);
     }
@@ -326,8 +327,8 @@ static void compare(struct regrowth *r, struct growth *growth, const double *own
         factor = r->displacement / now;
     rescale_displacement(r, own, factor);
     if (growth->log <= 0 || now == 0)
-        displace(r);
-    r->previous_distance = distance(r);
+        solutions_displace(r);
+    r->previous_distance = solutions_distance(r);
     follower_state_changed(&r->base);
     follower_state_changed(&r->displaced);
 }
@@ -361,7 +362,7 @@ static bool follow_row(struct regrowth *r, struct growth *growth, double t_end, 
             follower_go(&r->displaced, next, max / 2, cancel) == FOLLOWER_SPENT)
             return false;
         if (part < parts)
-            compare(r, growth, r->base.y, next);
+            solutions_compare(r, growth, r->base.y, next);
     }
     return true;
 }
@@ -382,7 +383,7 @@ static bool regrowth_follow(struct regrowth *r, struct growth *growth, double ma
         const double t = trace_time(trace, row);
         if (!follow_row(r, growth, t, longest, max, cancel))
             return false;
-        compare(r, growth, r->follows_jumps ? trace_state(trace, row) : r->base.y, t);
+        solutions_compare(r, growth, r->follows_jumps ? trace_state(trace, row) : r->base.y, t);
         growth_judge(growth, t, run_agrees(r, trace_state(trace, row)),
                      row + 1 == trace_count(trace));
     }
@@ -391,26 +392,26 @@ static bool regrowth_follow(struct regrowth *r, struct growth *growth, double ma
 
 /* Displaces the second of the two solutions, which have just begun, and follows both; returns false
  * as regrowth_follow() does. */
-static bool follow_both(struct regrowth *r, struct growth *growth, double max,
-                        const struct cancel *cancel)
+static bool solutions_follow(struct regrowth *r, struct growth *growth, double max,
+                             const struct cancel *cancel)
 {
     r->displacement = sqrt(r->run->controller.tol);
     copy_state(r->size, r->scale, r->run->system.n);
     run_sizes_add(r->run, 0, trace_count(r->run->trace), r->size);
-    displace(r);
-    r->previous_distance = distance(r);
+    solutions_displace(r);
+    r->previous_distance = solutions_distance(r);
     return regrowth_follow(r, growth, max, cancel);
 }
 
 /* Follows the growth by one method. Returns false if it cannot begin or its work exceeds `max`. */
-static bool look_by(struct regrowth *r, const struct method *method, struct growth *growth,
-                    double max, const struct cancel *cancel)
+static bool growth_follow_by(struct regrowth *r, const struct method *method, struct growth *growth,
+                             double max, const struct cancel *cancel)
 {
     const double tol = r->run->opinion.tol;
     bool done = false;
     if (follower_begin(&r->base, r->run, r->row, method, &r->system, tol) &&
         follower_begin(&r->displaced, r->run, r->row, method, &r->system, tol))
-        done = follow_both(r, growth, max, cancel);
+        done = solutions_follow(r, growth, max, cancel);
     r->run->private_state->regrowth_work += follower_work(&r->base) + follower_work(&r->displaced);
     follower_end(&r->base);
     follower_end(&r->displaced);
@@ -450,8 +451,8 @@ void regrowth_look(struct run *run, const struct cancel *cancel)
     p->regrowth_work = 0;
     const double max = fmax(OPINION_BUDGET_DOUBT / n, OPINION_DOUBT * run_evaluations(run));
     /* rodas5p is for stiff equations, in which dop853 has to take short steps for its stability. */
-    const bool followed = look_by(&r, method_find("dop853"), &growth, max / 2, cancel) ||
-                          look_by(&r, method_find("rodas5p"), &growth, max / 2, cancel);
+    const bool followed = growth_follow_by(&r, method_find("dop853"), &growth, max / 2, cancel) ||
+                          growth_follow_by(&r, method_find("rodas5p"), &growth, max / 2, cancel);
     if (!isnan(growth.lost)) {
         p->sunk = growth.began;
         opinion->lost = growth.lost;

@@ -33,8 +33,7 @@ static double error_fraction(const struct run *run)
     return run->plan.adaptive ? fmax(rounding, run->settings.tol) : rounding;
 }
 
-/* Returns the same for errors that have grown since: nearer to 0 than that, a touch is not
- * certain. */
+/* Returns the same for errors that have grown since: nearer to 0, a touch is not certain. */
 static double doubt_fraction(const struct run *run)
 {
     return run->plan.adaptive ? ERROR_GROWTH_FACTOR * error_fraction(run) : NEAR_FIXED;
@@ -48,7 +47,7 @@ static void note_sizes(struct event_watch *watch, const double *y)
 }
 
 /* Finds the sizes of the variables in all recorded rows. */
-static void find_sizes(struct event_watch *watch)
+static void sizes_find(struct event_watch *watch)
 {
     const struct trace *trace = watch->run->trace;
     memset(watch->size, 0, sizeof watch->size);
@@ -86,7 +85,7 @@ bool events_begin(struct run *run, const struct segment *segment)
     if (!watch || !events_watch_begin(watch, run, segment->target))
         return false;
     if (!watch->sized)
-        find_sizes(watch);
+        sizes_find(watch);
     note_sizes(watch, run->y);
     for (int i = 0; i < watch->events; i++) {
         struct watched *watched = &watch->event[i];
@@ -136,13 +135,13 @@ struct event_search {
 };
 
 /* Returns true if the event is the condition. */
-static bool is_until(const struct event_search *look)
+static bool is_condition(const struct event_search *look)
 {
     return look->event == look->watch->stop_event;
 }
 
 /* Returns the event's function at the fraction theta of the step. */
-static double look_value(void *context, double theta)
+static double search_value(void *context, double theta)
 {
     const struct event_search *look = context;
     double y[LIMIT_VARIABLES];
@@ -150,7 +149,7 @@ static double look_value(void *context, double theta)
     return events_watch_value(look->watch, look->watched, path_time(&look->watch->path, theta), y);
 }
 
-static struct jet look_bounds(void *context, double a, double b)
+static struct jet search_bounds(void *context, double a, double b)
 {
     const struct event_search *look = context;
     return events_watch_bounds(look->watch, look->watched, a, b);
@@ -180,13 +179,13 @@ static bool is_same_touch(const struct event_search *look, double theta, double 
 }
 
 /* Returns true if the function touches 0 at theta; otherwise notes if it is doubtful. */
-static bool look_touches(void *context, double theta)
+static bool search_touches(void *context, double theta)
 {
     struct event_search *look = context;
     const struct run *run = look->watch->path.inside.run;
     if (is_zero(look, theta, error_fraction(run)))
         return true;
-    if (!is_until(look) && isnan(look->doubtful_theta) &&
+    if (!is_condition(look) && isnan(look->doubtful_theta) &&
         is_zero(look, theta, doubt_fraction(run)) &&
         !is_same_touch(look, theta, doubt_fraction(run)))
         look->doubtful_theta = theta;
@@ -194,7 +193,7 @@ static bool look_touches(void *context, double theta)
 }
 
 /* Notes that an event nearly happens at theta: another solution, a tolerance away, may meet it. */
-static bool look_misses(void *context, double theta)
+static bool search_misses(void *context, double theta)
 {
     struct event_search *look = context;
     if (is_zero(look, theta, doubt_fraction(look->watch->run)))
@@ -221,25 +220,25 @@ static bool is_pole(struct event_search *look, double theta)
 {
     /* fractions of the step, from far to near */
     static const double far = 1e-4, inner_distance = 1e-10, grows = 30;
-    if (look->watched->right || !(fabs(look_value(look, theta)) > grows * look->largest))
+    if (look->watched->right || !(fabs(search_value(look, theta)) > grows * look->largest))
         return false;
     bool pole = true;
     for (int side = -1; side <= 1; side += 2)
         if (theta + side * far >= 0 && theta + side * far <= 1)
-            pole = pole && fabs(look_value(look, theta + side * inner_distance)) >
-                               grows * fabs(look_value(look, theta + side * far));
+            pole = pole && fabs(search_value(look, theta + side * inner_distance)) >
+                               grows * fabs(search_value(look, theta + side * far));
     return pole;
 }
 
 /* Takes note of a sign change (sign 1 or -1) or a touch (0) at theta, if the event asks for it.
  * Returns false if the search ends: the run stops there, records are full, or out of memory. */
-static bool look_found(void *context, double theta, int sign)
+static bool search_found(void *context, double theta, int sign)
 {
     struct event_search *look = context;
     const struct step_path *path = &look->watch->path;
     const struct event *event = look->watched->event;
     /* A condition becomes true on the way, an event rises with time. */
-    const int direction = path->inside.h > 0 || is_until(look) ? sign : -sign;
+    const int direction = path->inside.h > 0 || is_condition(look) ? sign : -sign;
     const bool touches =
         sign == 0 && event->touching && look->roots && look->roots->sign == -event->direction;
     if (event->direction != 0 && event->direction != direction && !touches)
@@ -270,12 +269,12 @@ static bool look_found(void *context, double theta, int sign)
  * *value 0 if there is no such part. Commands that were executed at the event may have changed the
  * state, so that the value at the beginning is not 0: then it returns 0 with that value.
  */
-static double depart(struct event_search *look, double *value)
+static double departure_find(struct event_search *look, double *value)
 {
     struct watched *watched = look->watched;
     watched->departs = false;
     if (!is_zero(look, 0, NEAR_FIXED)) {
-        *value = look_value(look, 0);
+        *value = search_value(look, 0);
         watched->sign = sign_of(*value);
         return 0;
     }
@@ -288,7 +287,7 @@ static double depart(struct event_search *look, double *value)
             const int bend = sign_of(jet.bend.lo);
             sign = slope.lo <= 0 && slope.hi >= 0 ? bend : 0;
         }
-        *value = sign != 0 ? look_value(look, b) : 0;
+        *value = sign != 0 ? search_value(look, b) : 0;
         if (sign == 0 || sign_of(*value) != sign)
             continue;
         watched->sign = sign;
@@ -319,8 +318,7 @@ static int sign_beyond(const struct event_search *look, int previous_sign)
     return sign != 0 ? sign : previous_sign;
 }
 
-/* Returns true if an event is due within the rounding of the times that led to the end of the
- * run. */
+/* Returns true if an event is due within the rounding of the times up to the end of the run. */
 static bool is_due(const struct event_search *look, const struct run_target *target)
 {
     const struct run *run = look->watch->run;
@@ -335,10 +333,11 @@ static bool is_due(const struct event_search *look, const struct run_target *tar
 }
 
 /* Notes that an event may have been missed in this step; `is_close` means by a touch only. */
-static void doubt(struct run *run, const struct event_search *look, double theta, bool is_close)
+static void doubt_note(struct run *run, const struct event_search *look, double theta,
+                       bool is_close)
 {
     struct event_doubt *doubt =
-        &run->private_state->doubt[is_until(look) ? LIMIT_EVENTS : look->event];
+        &run->private_state->doubt[is_condition(look) ? LIMIT_EVENTS : look->event];
     const struct step_path *path = &look->watch->path;
     doubt->t_first = doubt->steps == 0 ? path_time(path, theta) : doubt->t_first;
     doubt->t_last = path->end_t;
@@ -347,30 +346,31 @@ static void doubt(struct run *run, const struct event_search *look, double theta
 }
 
 /* Searches the step from theta_begin, where the function has this value, to theta_end. */
-static void search(struct event_search *look, double theta_begin, double value, double theta_end)
+static void interval_search(struct event_search *look, double theta_begin, double value,
+                            double theta_end)
 {
     struct watched *watched = look->watched;
     struct event_watch *watch = look->watch;
     const struct step_path *path = &watch->path;
     const double times = fmax(fabs(path->inside.t), fabs(path->end_t));
     struct root_search roots = {.context = look,
-                                .value = look_value,
-                                .bounds = look_bounds,
-                                .found = look_found,
-                                .touches = watched->event->touching ? look_touches : NULL,
+                                .value = search_value,
+                                .bounds = search_bounds,
+                                .found = search_found,
+                                .touches = watched->event->touching ? search_touches : NULL,
                                 .min =
                                     fmax(DBL_EPSILON * times / fabs(path->inside.h), DBL_EPSILON),
                                 .budget = watched->budget,
                                 .sign = watched->sign};
     roots.nonzero = value != 0 || watched->value != 0;
-    const bool misses = watched->event->stop && !watched->event->touching && !is_until(look) &&
+    const bool misses = watched->event->stop && !watched->event->touching && !is_condition(look) &&
                         watch->run->plan.adaptive;
     if (misses)
-        roots.touches = look_misses;
-    if (roots.touches && !is_until(look))
+        roots.touches = search_misses;
+    if (roots.touches && !is_condition(look))
         roots.touch_tolerance = events_watch_error(watch, watched, path->end_t, path->end,
                                                    doubt_fraction(path->inside.run));
-    const double end = theta_end < 1 ? look_value(look, theta_end) : watched->value;
+    const double end = theta_end < 1 ? search_value(look, theta_end) : watched->value;
     look->doubtful_theta = look->miss = NAN;
     look->roots = &roots;
     look->largest = fmax(fabs(value), fabs(end));
@@ -380,9 +380,9 @@ static void search(struct event_search *look, double theta_begin, double value, 
     if (!isnan(look->miss) && !(look->stop_theta < 1))
         look->failed |= !responses_add_miss(watch->run, look->event, look->miss);
     if ((roots.unsure || !path->resolved) && roots.nonzero)
-        doubt(watch->run, look, roots.unsure ? roots.unsure_from : theta_begin, false);
+        doubt_note(watch->run, look, roots.unsure ? roots.unsure_from : theta_begin, false);
     else if (!isnan(look->doubtful_theta))
-        doubt(watch->run, look, look->doubtful_theta, true);
+        doubt_note(watch->run, look, look->doubtful_theta, true);
     if (roots.unsure)
         watched->budget = watched->budget / 2 + 8;
     else if (watched->budget < 1000)
@@ -390,7 +390,7 @@ static void search(struct event_search *look, double theta_begin, double value, 
 }
 
 /* Searches the step just taken for the event of `look`, up to look->stop_theta. */
-static void look_at(struct event_search *look, const struct run_target *target)
+static void step_search(struct event_search *look, const struct run_target *target)
 {
     struct watched *watched = look->watched;
     const struct step_path *path = &look->watch->path;
@@ -401,34 +401,34 @@ static void look_at(struct event_search *look, const struct run_target *target)
     const double theta_end = fmin(look->stop_theta + theta_tolerance, 1);
     watched->value = events_watch_value(look->watch, watched, path->end_t, path->end);
     if (watched->departs)
-        theta_begin = depart(look, &value);
+        theta_begin = departure_find(look, &value);
     const size_t old_count = look->watch->count;
     if (theta_begin < theta_end)
-        search(look, theta_begin, value, theta_end);
+        interval_search(look, theta_begin, value, theta_end);
     if (theta_end < 1 || look->stop_theta < 1)
         return;
     const int sign = watched->sign;
-    if (is_until(look) &&
+    if (is_condition(look) &&
         watched->value == 0) { /* a strict one that is true beyond is found there */
         watched->sign =
             look->watch->or_equal ? watched->event->direction : -watched->event->direction;
         if (look->watch->or_equal && sign == -watched->sign)
-            look_found(look, 1, watched->sign);
+            search_found(look, 1, watched->sign);
         return;
     }
     if (watched->value == 0 && sign != 0) {
         watched->sign = sign_beyond(look, sign);
         if (watched->sign != sign)
-            look_found(look, 1, watched->sign);
+            search_found(look, 1, watched->sign);
     } else if (is_due(look, target) &&
                (look->watch->count == old_count || look->watch->found[old_count].theta < 1)) {
         watched->sign = -sign;
-        look_found(look, 1, -sign);
+        search_found(look, 1, -sign);
     }
 }
 
 /* Orders events by time, then by definition, for qsort(). */
-static int by_time(const void *a, const void *b)
+static int crossing_compare(const void *a, const void *b)
 {
     const struct event_crossing *p = a, *q = b;
     return p->theta != q->theta ? (p->theta > q->theta) - (p->theta < q->theta)
@@ -437,12 +437,12 @@ static int by_time(const void *a, const void *b)
 
 /* Sorts the events found by time and computes their states. Events whose times differ only by
  * rounding count as simultaneous and keep the order of definition. */
-static void put_in_order(struct event_watch *watch)
+static void crossings_sort(struct event_watch *watch)
 {
     const struct step_path *path = &watch->path;
     const size_t n = (size_t)watch->run->system.n;
     struct event_crossing *found = watch->found;
-    qsort(found, watch->count, sizeof *found, by_time);
+    qsort(found, watch->count, sizeof *found, crossing_compare);
     for (size_t i = 1, first = 0; i < watch->count; i++) {
         const double t_tolerance =
             TIME_EQUAL_ULPS * DBL_EPSILON * fmax(fabs(found[i].t), fabs(path->inside.t));
@@ -466,7 +466,7 @@ static void put_in_order(struct event_watch *watch)
 }
 
 /* Keeps the signs for the next call of run_advance(): a value may be 0 for longer than a step. */
-static void leave_signs(struct event_watch *watch)
+static void signs_save(struct event_watch *watch)
 {
     for (int i = 0; i < watch->events; i++) {
         watch->left[i].event = watch->event[i].event;
@@ -491,10 +491,10 @@ bool events_find(struct run *run, const struct segment *segment, double t, doubl
                 continue;
             look.watched = &watch->event[i];
             look.event = i;
-            look_at(&look, segment->target);
+            step_search(&look, segment->target);
         }
     if (watch->count > 0 && !look.failed)
-        put_in_order(watch);
-    leave_signs(watch);
+        crossings_sort(watch);
+    signs_save(watch);
     return !look.failed;
 }

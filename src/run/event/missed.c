@@ -139,8 +139,8 @@ static bool step_passed_over(const struct run *run, size_t i, const struct burst
 /* Returns true, and sets *there, if the burst, which was found along a segment of several steps, is
  * also found along one of these steps and this step missed it. (The segment may cross a switch at
  * another time than the step that ended there.) Everything found in one step is one burst. */
-static bool is_on_steps(const struct run *run, size_t first, const struct burst *found,
-                        int64_t *allowed, struct burst *there)
+static bool is_missed_by_step(const struct run *run, size_t first, const struct burst *found,
+                              int64_t *allowed, struct burst *there)
 {
     const struct trace *trace = run->trace;
     const size_t next_row = row_beyond(trace, first, found->t_begin);
@@ -188,7 +188,7 @@ struct burst_search {
 /* Examines the bursts found so far, and removes them, except one that ends at time `open` [s],
  * because the next segment may continue it. Returns true, with *missed, if one of them was
  * missed. */
-static bool look_through(struct burst_search *search, double open, struct burst *missed)
+static bool bursts_examine(struct burst_search *search, double open, struct burst *missed)
 {
     const struct trace *trace = search->run->trace;
     const size_t first = search->first;
@@ -199,7 +199,7 @@ static bool look_through(struct burst_search *search, double open, struct burst 
         if (burst.t_end == open) {
             search->burst[left++] = burst;
         } else if ((first == 0 || burst.t_begin != trace_time(trace, first)) &&
-                   is_on_steps(search->run, first, &burst, &search->allowed_steps, &there)) {
+                   is_missed_by_step(search->run, first, &burst, &search->allowed_steps, &there)) {
             *missed = there;
             return true;
         }
@@ -210,8 +210,8 @@ static bool look_through(struct burst_search *search, double open, struct burst 
 
 /* Searches the segment from y_begin to y_end at the times t, with its share of the looks that are
  * left for `ways` segments. */
-static void search_way(struct burst_search *search, const double t[2], const double *y_begin,
-                       const double *y_end, size_t ways)
+static void segment_search(struct burst_search *search, const double t[2], const double *y_begin,
+                           const double *y_end, size_t ways)
 {
     const int64_t part = search->allowed / (int64_t)ways * LOOKS_A_WAY,
                   given = part > LOOKS_ONE_WAY ? part : LOOKS_ONE_WAY;
@@ -252,10 +252,10 @@ bool run_missed_burst(struct run *run, struct burst *missed)
         const double t[2] = {trace_time(trace, row_begin), trace_time(trace, row_end)};
         if (t[0] == t[1])
             continue;
-        search_way(&search, t, trace_state(trace, row_begin), trace_state(trace, row_end),
-                   ways - k);
-        if (look_through(&search, t[1], missed))
+        segment_search(&search, t, trace_state(trace, row_begin), trace_state(trace, row_end),
+                       ways - k);
+        if (bursts_examine(&search, t[1], missed))
             return true;
     }
-    return look_through(&search, NAN, missed);
+    return bursts_examine(&search, NAN, missed);
 }

@@ -34,7 +34,7 @@ static void polynomial_fit(const double *value, size_t stride, int degree, doubl
 
 /* Returns bounds of sum c_k s^k for |s| <= r: odd powers may have either sign, even ones only that
  * of c_k. */
-static struct interval range(const double *c, int degree, double r)
+static struct interval polynomial_range(const double *c, int degree, double r)
 {
     struct interval bounds = {c[0], c[0]};
     double power = 1;
@@ -48,7 +48,7 @@ static struct interval range(const double *c, int degree, double r)
 }
 
 /* Replaces the coefficients c by those of the derivative, one fewer. */
-static void differentiate(double *c, int degree)
+static void polynomial_differentiate(double *c, int degree)
 {
     for (int k = 1; k <= degree; k++)
         c[k - 1] = k * c[k];
@@ -57,17 +57,17 @@ static void differentiate(double *c, int degree)
 /* Returns bounds of the polynomial c, which is overwritten, and of its derivatives for |s| <= r.
  * They are widened by its error, which is `error` over one of `pieces` parts of the step and larger
  * for derivatives (Markov's inequality). */
-static struct jet bounds(double *c, int degree, double r, double error, int pieces)
+static struct jet polynomial_bounds(double *c, int degree, double r, double error, int pieces)
 {
     struct jet jet;
     const double square = (double)degree * degree * pieces * pieces;
     const double bend = 4. / 3 * square * degree * degree, slope = 2. * degree * degree * pieces;
-    jet.value = range(c, degree, r);
-    differentiate(c, degree);
-    jet.slope = range(c, degree - 1, r);
+    jet.value = polynomial_range(c, degree, r);
+    polynomial_differentiate(c, degree);
+    jet.slope = polynomial_range(c, degree - 1, r);
     if (degree > 1) {
-        differentiate(c, degree - 1);
-        jet.bend = range(c, degree - 2, r);
+        polynomial_differentiate(c, degree - 1);
+        jet.bend = polynomial_range(c, degree - 2, r);
     } else {
         jet.bend = (struct interval){0, 0};
     }
@@ -86,7 +86,8 @@ struct jet path_fit(const double *value, int degree, double a, double b)
         sum += fabs(c[k]) * power;
         tail += k > degree - 6 ? fabs(c[k]) * power : 0;
     }
-    struct jet jet = bounds(c, degree, 0.5, TAIL_FACTOR * tail + POLYNOMIAL_ROUNDING * sum, 1);
+    struct jet jet =
+        polynomial_bounds(c, degree, 0.5, TAIL_FACTOR * tail + POLYNOMIAL_ROUNDING * sum, 1);
     const double scale = 1 / (b - a);
     jet.slope = (struct interval){jet.slope.lo * scale, jet.slope.hi * scale};
     jet.bend = (struct interval){jet.bend.lo * scale * scale, jet.bend.hi * scale * scale};
@@ -328,7 +329,7 @@ static struct jet piece_jet(const struct step_path *path, int k, int variable, d
         for (int i = 0; i < degree; i++)
             for (int j = degree - 1; j >= i; j--)
                 c[j] += shift * c[j + 1];
-    return bounds(c, degree, (b - a) / 2, path->piece[k].error[variable], path->pieces);
+    return polynomial_bounds(c, degree, (b - a) / 2, path->piece[k].error[variable], path->pieces);
 }
 
 /* Returns the smallest interval that contains both. */

@@ -11,7 +11,7 @@
 #include <stdlib.h>
 
 /* Returns x > 0 rounded down to one digit, for advice. */
-static double one_digit(double x)
+static double round_down_to_digit(double x)
 {
     double unit = fixed_pow(10, floor(fixed_log10(x)));
     return floor(x / unit) * unit;
@@ -36,7 +36,7 @@ static void put_time(struct buffer *text, double seconds, int digits)
 
 /* Returns the last recorded state before the run blew up, or the first one, and sets *t [s]. A
  * state that has blown up says nothing about the rates of the scene. */
-static const double *sound_state(const struct run *run, double *t)
+static const double *trusted_state(const struct run *run, double *t)
 {
     const struct system *system = &run->system;
     *t = run->t;
@@ -55,12 +55,12 @@ static const double *sound_state(const struct run *run, double *t)
     return run->y;
 }
 
-/* Returns the rate [1/s] of the fastest motion near sound_state(): the norm of the Jacobian in
+/* Returns the rate [1/s] of the fastest motion near trusted_state(): the norm of the Jacobian in
  * scaled variables. */
 static double fastest_rate(const struct run *run)
 {
     double t;
-    const double *y = sound_state(run, &t);
+    const double *y = trusted_state(run, &t);
     double max = 0;
     const struct system *system = &run->system;
     const int n = system->n;
@@ -184,7 +184,7 @@ static void put_shorter_step(const struct run *run, double dt, bool implicit_hel
     buffer_put(text, TEXT("; try "));
     if (!hopeless || !implicit_helps) {
         buffer_put(text, TEXT("dt <= "));
-        put_time(text, one_digit(dt), 1);
+        put_time(text, round_down_to_digit(dt), 1);
     }
     if (implicit_helps)
         buffer_format(text, "%s%s", hopeless ? "" : " or ", remedy_for_rate(run));

@@ -23,7 +23,7 @@ struct shrinking {
 };
 
 /* Returns |y'| [1/s] in natural sizes of the variables. */
-static double speed_of(const struct system *system, double t, const double *y)
+static double scaled_speed(const struct system *system, double t, const double *y)
 {
     double f[LIMIT_VARIABLES], sum = 0;
     system_derivative(system, t, y, f);
@@ -42,7 +42,7 @@ static void shrinking_add(struct shrinking *s, double h, const struct system *sy
     if (s->count == DECADES_MAX || (s->count > 0 && 10 * h > s->h[s->count - 1]))
         return;
     s->h[s->count] = h;
-    s->speed[s->count++] = speed_of(system, t, y);
+    s->speed[s->count++] = scaled_speed(system, t, y);
 }
 
 /* Returns the q of |y'| ~ (t* - t)^-q over the steps that shrink, NAN if these cover too few
@@ -92,9 +92,9 @@ static bool is_large(const struct system *system, const double *y)
 
 /* Follows a solution from y [n] at t to `end`, as `pursuit` says, and fills *followed: the solution
  * ends if steps make no more progress and the speed has grown as it does before a singularity. */
-static void pursue(const struct system *system, double t, const double *y, double end,
-                   const struct pursuit *pursuit, const struct cancel *cancel,
-                   struct followed *followed)
+static void solution_pursue(const struct system *system, double t, const double *y, double end,
+                            const struct pursuit *pursuit, const struct cancel *cancel,
+                            struct followed *followed)
 {
     static const double power_min = 0.3, finite_max = 0.95; /* |y'| may be integrated up to there */
     const struct method *method = method_find(pursuit->method_name);
@@ -133,7 +133,7 @@ void run_follow(const struct system *system, double t, const double *y, double e
 {
     const struct system scaled = with_start_scale(system, y);
     const struct pursuit accurate = {"dop853", 1e-11, steps_max, 1e-11};
-    pursue(&scaled, t, y, end, &accurate, cancel, followed);
+    solution_pursue(&scaled, t, y, end, &accurate, cancel, followed);
 }
 
 void run_follow_cheaply(const struct system *system, double t, const double *y, double end,
@@ -141,9 +141,9 @@ void run_follow_cheaply(const struct system *system, double t, const double *y, 
 {
     /* radau5 is for stiff equations; its linear systems take far longer in many variables. */
     const struct pursuit smooth = {"dop853", tol, 32, 0}, stiff = {"radau5", tol, 2000, 0};
-    pursue(system, t, y, end, &smooth, cancel, followed);
+    solution_pursue(system, t, y, end, &smooth, cancel, followed);
     if (followed->t != end)
-        pursue(system, t, y, end, &stiff, cancel, followed);
+        solution_pursue(system, t, y, end, &stiff, cancel, followed);
 }
 
 bool run_seems_to_end(const struct system *system, double t, const double *y, double end,
@@ -151,7 +151,7 @@ bool run_seems_to_end(const struct system *system, double t, const double *y, do
 {
     const struct pursuit brief = {"dop853", 1e-7, 100, 1e-5};
     struct followed followed;
-    pursue(system, t, y, end, &brief, cancel, &followed);
+    solution_pursue(system, t, y, end, &brief, cancel, &followed);
     return followed.fate == SOLUTION_ENDS;
 }
 

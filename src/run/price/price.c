@@ -121,7 +121,7 @@ static bool keeps_balance(const struct run_scenario *s, const struct run_work *w
 }
 
 /* Returns true if the summary of the run shows the energy balance of all steps. */
-static bool balances(const struct run_scenario *s, const struct run_work *work)
+static bool shows_balance(const struct run_scenario *s, const struct run_work *work)
 {
     return s->system->energy &&
            (keeps_balance(s, work) || ledger_is_brief(s->plan, (int64_t)work->steps));
@@ -267,7 +267,7 @@ static void add_computed(const struct run_scenario *s, const struct run_work *wo
     list_add(list, strange_price(s, work), "steps across singularities");
     list_add(list, bursts_price(s, work), "look for short pulses");
     list_add(list, unresolved_price(s, work), "look for forces faster than steps");
-    if (balances(s, work)) {
+    if (shows_balance(s, work)) {
         const char *purpose;
         if (keeps_balance(s, work))
             purpose = "energy balance, kept between rows";
@@ -365,7 +365,7 @@ static void add_left_out(const struct run_scenario *s, const struct run_work *wo
     const double rows = fmin(recorded_rows(s, work), LIMIT_SAMPLES);
     const double column = 40 + evaluation_price_called(s->system);
     add_absent_forces(s->system, list);
-    if (balances(s, work))
+    if (shows_balance(s, work))
         add_columns(s, COLUMNS_BALANCE, rows * column, "", list);
     else if (s->system->energy)
         add_columns(s, COLUMNS_BALANCE, balance_price(s, work),

@@ -48,7 +48,7 @@ struct interval interval_neg(struct interval a)
 
 /* Returns the bound, unless it is NaN: then `largest` if the result itself is infinite, or an
  * infinite bound on that side if the result is NaN, too, as a difference of infinities. */
-static double known(double bound, double result, double largest)
+static double finite_bound(double bound, double result, double largest)
 {
     if (bound == bound)
         return bound;
@@ -60,11 +60,12 @@ static struct interval rounded(double lo, double hi)
 {
     const double lo_rounded = lo == 0 ? 0 : lower(lo, rounding),
                  hi_rounded = hi == 0 ? 0 : upper(hi, rounding);
-    return (struct interval){known(lo_rounded, lo, DBL_MAX), known(hi_rounded, hi, -DBL_MAX)};
+    return (struct interval){finite_bound(lo_rounded, lo, DBL_MAX),
+                             finite_bound(hi_rounded, hi, -DBL_MAX)};
 }
 
 /* Returns true if the interval is exactly 0. */
-static bool exact(struct interval a)
+static bool is_exactly_zero(struct interval a)
 {
     return a.lo == 0 && a.hi == 0;
 }
@@ -73,7 +74,7 @@ struct interval interval_add(struct interval a, struct interval b)
 {
     if (interval_empty(a) || interval_empty(b))
         return interval_none;
-    return exact(a) ? b : exact(b) ? a : rounded(a.lo + b.lo, a.hi + b.hi);
+    return is_exactly_zero(a) ? b : is_exactly_zero(b) ? a : rounded(a.lo + b.lo, a.hi + b.hi);
 }
 
 struct interval interval_sub(struct interval a, struct interval b)
@@ -99,7 +100,7 @@ struct interval interval_mul(struct interval a, struct interval b)
 {
     if (interval_empty(a) || interval_empty(b))
         return interval_none;
-    if (exact(a) || exact(b))
+    if (is_exactly_zero(a) || is_exactly_zero(b))
         return interval_point(0);
     const double p = bound_product(a.lo, b.lo), q = bound_product(a.lo, b.hi),
                  r = bound_product(a.hi, b.lo), s = bound_product(a.hi, b.hi);

@@ -37,7 +37,7 @@ static bool jet_is_number(const struct jet *a)
 }
 
 /* Returns the bounds of factor times a. */
-static struct jet scaled(struct interval factor, const struct jet *a)
+static struct jet jet_scaled(struct interval factor, const struct jet *a)
 {
     return (struct jet){interval_mul(factor, a->value), interval_mul(factor, a->slope),
                         interval_mul(factor, a->bend)};
@@ -47,7 +47,7 @@ static struct jet scaled(struct interval factor, const struct jet *a)
 static struct jet jet_mul(struct jet a, struct jet b)
 {
     if (jet_is_number(&a) || jet_is_number(&b))
-        return jet_is_number(&a) ? scaled(a.value, &b) : scaled(b.value, &a);
+        return jet_is_number(&a) ? jet_scaled(a.value, &b) : jet_scaled(b.value, &a);
     const struct interval both = interval_mul(a.slope, b.slope);
     return (struct jet){
         interval_mul(a.value, b.value),
@@ -99,7 +99,7 @@ static struct jet jet_if(struct jet condition, struct jet yes, struct jet no)
 
 /* Returns bounds of a choice between two functions that is continuous, with values from lo to hi;
  * its slope is one of theirs. */
-static struct jet either(const struct jet *a, const struct jet *b, double lo, double hi)
+static struct jet jet_choice(const struct jet *a, const struct jet *b, double lo, double hi)
 {
     return (struct jet){{lo, hi}, interval_hull(a->slope, b->slope), interval_all};
 }
@@ -111,11 +111,11 @@ static struct jet jet_min(struct jet a, struct jet b)
         return jet_jump(NAN, NAN);
     if (a.value.hi < b.value.lo || b.value.hi < a.value.lo)
         return a.value.hi < b.value.lo ? a : b;
-    return either(&a, &b, fmin(a.value.lo, b.value.lo), fmin(a.value.hi, b.value.hi));
+    return jet_choice(&a, &b, fmin(a.value.lo, b.value.lo), fmin(a.value.hi, b.value.hi));
 }
 
 /* Returns a^2, with tighter bounds than a a. */
-static struct jet square(struct jet a)
+static struct jet jet_square(struct jet a)
 {
     struct jet result = jet_mul(a, a);
     const struct interval bend = interval_mul(a.value, a.bend);
@@ -126,9 +126,9 @@ static struct jet square(struct jet a)
 }
 
 /* Returns sqrt(a^2 + b^2); from 0 on without an upper bound if the squares overflow. */
-static struct jet length(struct jet a, struct jet b)
+static struct jet jet_hypot(struct jet a, struct jet b)
 {
-    struct jet result = jet_one(sqrt, jet_add(square(a), square(b)));
+    struct jet result = jet_one(sqrt, jet_add(jet_square(a), jet_square(b)));
     if (!(result.value.hi < HUGE_VAL) && !interval_empty(result.value))
         result.value = (struct interval){0, HUGE_VAL};
     return result;
@@ -136,7 +136,7 @@ static struct jet length(struct jet a, struct jet b)
 
 /* Returns the angle of the point (x, y). Its slope is (x y' - y x')/(x^2 + y^2) except where it
  * jumps, at y = 0 with x < 0. */
-static struct jet angle(struct jet y, struct jet x)
+static struct jet jet_atan2(struct jet y, struct jet x)
 {
     if (interval_empty(y.value) || interval_empty(x.value))
         return jet_jump(NAN, NAN);
@@ -156,7 +156,7 @@ static struct jet angle(struct jet y, struct jet x)
 
 /* Returns the remainder of a divided by b, which jumps unless the quotient's whole part is the same
  * everywhere. */
-static struct jet modulo(struct jet a, struct jet b)
+static struct jet jet_mod(struct jet a, struct jet b)
 {
     if (interval_empty(a.value) || interval_empty(b.value))
         return jet_jump(NAN, NAN);
@@ -168,13 +168,13 @@ static struct jet modulo(struct jet a, struct jet b)
 }
 
 /* Returns x^n for an integer n, or half of one: (x^n)' = n x^(n-1) x'. */
-static struct jet to_number(struct jet x, double n)
+static struct jet jet_power_constant(struct jet x, double n)
 {
     if (n == 0)
         return jet_number(1);
     if (n != floor(n)) {
         const struct jet root = jet_one(sqrt, x);
-        return jet_mul(to_number(x, floor(n)), root);
+        return jet_mul(jet_power_constant(x, floor(n)), root);
     }
     const int k = (int)n;
     const struct interval one = interval_power(x.value, k - 1), factor = interval_point(n);
@@ -187,11 +187,11 @@ static struct jet to_number(struct jet x, double n)
 }
 
 /* Returns x^n. In general this is exp(n log x), for which x has to be above 0. */
-static struct jet to_power(struct jet x, struct jet n)
+static struct jet jet_power(struct jet x, struct jet n)
 {
     const bool fixed = jet_is_number(&n) && n.value.lo == n.value.hi;
     if (fixed && power_is_short(n.value.lo))
-        return to_number(x, n.value.lo);
+        return jet_power_constant(x, n.value.lo);
     if (interval_empty(x.value) && interval_has(n.value, 0))
         return jet_jump(1, 1); /* pow(NAN, 0) */
     if (interval_empty(x.value) || interval_empty(n.value))
@@ -208,7 +208,7 @@ static struct jet to_power(struct jet x, struct jet n)
     const bool grows = n.value.lo > 0;
     const double max = !grows            ? HUGE_VAL
                        : x.value.hi == 0 ? 0
-                                         : to_power(jet_number(x.value.hi), n).value.hi;
+                                         : jet_power(jet_number(x.value.hi), n).value.hi;
     return jet_jump(0, max);
 }
 
@@ -216,17 +216,17 @@ static struct jet to_power(struct jet x, struct jet n)
 static struct jet jet_two(double (*function)(double, double), struct jet a, struct jet b)
 {
     if (function == function_power)
-        return to_power(a, b);
+        return jet_power(a, b);
     if (function == function_min)
         return jet_min(a, b);
     if (function == function_max)
         return jet_neg(jet_min(jet_neg(a), jet_neg(b)));
     if (function == function_mod)
-        return modulo(a, b);
+        return jet_mod(a, b);
     if (function == (double (*)(double, double))fixed_hypot)
-        return length(a, b);
+        return jet_hypot(a, b);
     if (function == (double (*)(double, double))fixed_atan2)
-        return angle(a, b);
+        return jet_atan2(a, b);
     return jet_jump(-HUGE_VAL, HUGE_VAL);
 }
 
@@ -281,7 +281,7 @@ struct jet expr_jet(const struct expr *expr, const struct jet *jet)
 }
 
 /* Narrows the bounds of a value to those of the mean value form, centre + slope [-half, half]. */
-static void narrow(struct jet *a, struct interval centre, double half)
+static void jet_narrow(struct jet *a, struct interval centre, double half)
 {
     const struct interval change = interval_mul(a->slope, (struct interval){-half, half});
     const struct interval enclosure = interval_add(centre, change);
@@ -308,7 +308,7 @@ struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const 
         top -= op->kind == OP_NUMBER ? 0 : op_arity(op);
         stack[0][top] = jet_apply(op, &stack[0][top]);
         stack[1][top] = jet_apply(op, &stack[1][top]);
-        narrow(&stack[0][top], stack[1][top].value, half);
+        jet_narrow(&stack[0][top], stack[1][top].value, half);
     }
     return stack[0][0];
 }

@@ -24,7 +24,7 @@ static struct interval interval_scaled(double factor, struct interval a)
 }
 
 /* Returns the bounds of a function that grows with x. */
-static struct interval rising(double (*function)(double), struct interval x)
+static struct interval increasing_bounds(double (*function)(double), struct interval x)
 {
     return interval_wide(function(x.lo), function(x.hi), function_units);
 }
@@ -40,7 +40,7 @@ static const struct interval_jet unknown = {{NAN, NAN}, {NAN, NAN}, {NAN, NAN}};
 
 /* Cuts x to the domain of a function, from lo to hi; empty if it is outside. Returns true if x was
  * inside, so that slopes are known. */
-static bool clipped(struct interval *x, double lo, double hi)
+static bool domain_clip(struct interval *x, double lo, double hi)
 {
     const bool whole = x->lo >= lo && x->hi <= hi;
     if (x->hi < lo || x->lo > hi)
@@ -51,7 +51,7 @@ static bool clipped(struct interval *x, double lo, double hi)
 }
 
 /* Returns bounds f with any slope. */
-static struct interval_jet somewhere(struct interval f)
+static struct interval_jet unknown_slopes(struct interval f)
 {
     return (struct interval_jet){f, interval_all, interval_all};
 }
@@ -60,7 +60,7 @@ static struct interval_jet somewhere(struct interval f)
 
 /* Returns true if x contains (k + shift) pi for an even k (odd or any k for parts 1 and 2), or if
  * that cannot be excluded. */
-static bool meets(struct interval x, double shift, int part)
+static bool contains_multiple(struct interval x, double shift, int part)
 {
     const double tolerance = 4 * 0x1p-52 * fmax(fabs(x.lo), fabs(x.hi));
     const double period = part == 2 ? M_PI : 2 * M_PI,
@@ -75,8 +75,8 @@ static struct interval interval_wave(double (*function)(double), struct interval
         return (struct interval){-1, 1};
     const double p = function(x.lo), q = function(x.hi);
     struct interval f = interval_wide(fmin(p, q), fmax(p, q), function_units);
-    f.hi = meets(x, shift, 0) || f.hi > 1 ? 1 : f.hi;
-    f.lo = meets(x, shift, 1) || f.lo < -1 ? -1 : f.lo;
+    f.hi = contains_multiple(x, shift, 0) || f.hi > 1 ? 1 : f.hi;
+    f.lo = contains_multiple(x, shift, 1) || f.lo < -1 ? -1 : f.lo;
     return f;
 }
 
@@ -95,9 +95,10 @@ static struct interval_jet series_cos(struct interval x)
 
 static struct interval_jet series_tan(struct interval x)
 {
-    if (!(x.hi - x.lo < M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40 || meets(x, 0.5, 2))
-        return somewhere(interval_all);
-    const struct interval f = rising(fixed_tan, x),
+    if (!(x.hi - x.lo < M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40 ||
+        contains_multiple(x, 0.5, 2))
+        return unknown_slopes(interval_all);
+    const struct interval f = increasing_bounds(fixed_tan, x),
                           first = interval_add(interval_one(), interval_square(f));
     return (struct interval_jet){f, first, interval_scaled(2, interval_mul(f, first))};
 }
@@ -105,14 +106,14 @@ static struct interval_jet series_tan(struct interval x)
 /* f' = 1/sqrt(1 - x^2), f'' = x/(1 - x^2)^(3/2) */
 static struct interval_jet series_asin(struct interval x)
 {
-    const bool whole = clipped(&x, -1, 1);
+    const bool whole = domain_clip(&x, -1, 1);
     if (interval_empty(x))
         return unknown;
-    const struct interval f = rising(fixed_asin, x);
+    const struct interval f = increasing_bounds(fixed_asin, x);
     const struct interval rest =
         interval_mul(interval_sub(interval_one(), x), interval_add(interval_one(), x));
     if (!whole || !(rest.lo > 0))
-        return somewhere(f);
+        return unknown_slopes(f);
     const struct interval first = interval_div(interval_one(), interval_sqrt(rest));
     return (struct interval_jet){f, first, interval_div(interval_mul(x, first), rest)};
 }
@@ -122,7 +123,7 @@ static struct interval_jet series_acos(struct interval x)
     struct interval_jet s = series_asin(x);
     if (interval_empty(s.f))
         return s;
-    clipped(&x, -1, 1);
+    domain_clip(&x, -1, 1);
     return (struct interval_jet){interval_wide(fixed_acos(x.hi), fixed_acos(x.lo), function_units),
                                  interval_neg(s.first), interval_neg(s.second)};
 }
@@ -131,7 +132,7 @@ static struct interval_jet series_atan(struct interval x)
 {
     const struct interval first =
         interval_div(interval_one(), interval_add(interval_one(), interval_square(x)));
-    return (struct interval_jet){rising(fixed_atan, x), first,
+    return (struct interval_jet){increasing_bounds(fixed_atan, x), first,
                                  interval_scaled(-2, interval_mul(x, interval_square(first)))};
 }
 
@@ -146,26 +147,26 @@ static struct interval cosh_of(struct interval x)
 
 static struct interval_jet series_sinh(struct interval x)
 {
-    const struct interval f = rising(fixed_sinh, x);
+    const struct interval f = increasing_bounds(fixed_sinh, x);
     return (struct interval_jet){f, cosh_of(x), f};
 }
 
 static struct interval_jet series_cosh(struct interval x)
 {
     const struct interval f = cosh_of(x);
-    return (struct interval_jet){f, rising(fixed_sinh, x), f};
+    return (struct interval_jet){f, increasing_bounds(fixed_sinh, x), f};
 }
 
 static struct interval_jet series_tanh(struct interval x)
 {
-    const struct interval f = rising(fixed_tanh, x),
+    const struct interval f = increasing_bounds(fixed_tanh, x),
                           first = interval_div(interval_one(), interval_square(cosh_of(x)));
     return (struct interval_jet){f, first, interval_scaled(-2, interval_mul(f, first))};
 }
 
 static struct interval_jet series_exp(struct interval x)
 {
-    struct interval f = rising(fixed_exp, x);
+    struct interval f = increasing_bounds(fixed_exp, x);
     f.lo = fmax(f.lo, 0);
     return (struct interval_jet){f, f, f};
 }
@@ -173,12 +174,12 @@ static struct interval_jet series_exp(struct interval x)
 /* Returns the bounds of a logarithm, f' = factor/x, where the factor is 1/ln of the base. */
 static struct interval_jet logarithm(double (*function)(double), struct interval x, double factor)
 {
-    const bool whole = clipped(&x, 0, HUGE_VAL);
+    const bool whole = domain_clip(&x, 0, HUGE_VAL);
     if (interval_empty(x))
         return unknown;
-    const struct interval f = rising(function, x);
+    const struct interval f = increasing_bounds(function, x);
     if (!whole || !(x.lo > 0))
-        return somewhere(f);
+        return unknown_slopes(f);
     const struct interval first = interval_div(interval_wide(factor, factor, 1), x);
     return (struct interval_jet){f, first, interval_neg(interval_div(first, x))};
 }
@@ -197,19 +198,19 @@ static struct interval_jet series_log10(struct interval x)
 
 static struct interval_jet series_sqrt(struct interval x)
 {
-    const bool whole = clipped(&x, 0, HUGE_VAL);
+    const bool whole = domain_clip(&x, 0, HUGE_VAL);
     if (interval_empty(x))
         return unknown;
     const struct interval f = interval_sqrt(x);
     if (!whole || !(x.lo > 0))
-        return somewhere(f);
+        return unknown_slopes(f);
     const struct interval first = interval_div(interval_point(0.5), f);
     return (struct interval_jet){f, first, interval_scaled(-0.5, interval_div(first, x))};
 }
 
 static struct interval_jet series_cbrt(struct interval x)
 {
-    const struct interval f = rising(fixed_cbrt, x);
+    const struct interval f = increasing_bounds(fixed_cbrt, x);
     const struct interval first =
         interval_div(interval_one(), interval_scaled(3, interval_square(f)));
     return (struct interval_jet){
@@ -219,7 +220,7 @@ static struct interval_jet series_cbrt(struct interval x)
 /* ---- corners and jumps ---- */
 
 /* Returns bounds f of a function with a constant slope. */
-static struct interval_jet straight(struct interval f, double slope)
+static struct interval_jet constant_slope(struct interval f, double slope)
 {
     return (struct interval_jet){f, interval_point(slope), interval_point(0)};
 }
@@ -227,21 +228,21 @@ static struct interval_jet straight(struct interval f, double slope)
 static struct interval_jet series_abs(struct interval x)
 {
     if (x.lo >= 0 || x.hi <= 0)
-        return x.lo >= 0 ? straight(x, 1) : straight(interval_neg(x), -1);
+        return x.lo >= 0 ? constant_slope(x, 1) : constant_slope(interval_neg(x), -1);
     return (struct interval_jet){{0, fmax(-x.lo, x.hi)}, {-1, 1}, interval_all};
 }
 
 /* Returns the bounds of a function that grows and is constant between its jumps. */
-static struct interval_jet stairs(double (*function)(double), struct interval x)
+static struct interval_jet step_bounds(double (*function)(double), struct interval x)
 {
     const struct interval f = {function(x.lo), function(x.hi)};
-    return f.lo == f.hi ? straight(f, 0) : somewhere(f);
+    return f.lo == f.hi ? constant_slope(f, 0) : unknown_slopes(f);
 }
 
 #define STAIRS(name, function)                                                                     \
     static struct interval_jet name(struct interval x)                                             \
     {                                                                                              \
-        return stairs(function, x);                                                                \
+        return step_bounds(function, x);                                                           \
     }
 STAIRS(series_sign, function_sign)
 STAIRS(series_step, function_step)

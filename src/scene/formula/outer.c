@@ -22,7 +22,7 @@ static struct outer with_gap(double lo, double hi)
     return (struct outer){{gap_begin.hi, gap_end.lo}, true};
 }
 
-static struct outer negated(struct outer a)
+static struct outer outer_negate(struct outer a)
 {
     return (struct outer){interval_neg(a.interval), a.has_gap};
 }
@@ -40,7 +40,7 @@ struct outer outer_add(struct outer a, struct outer b)
 }
 
 /* Returns numbers with a gap, multiplied by those of an interval above 0. */
-static struct outer stretched(struct interval gap, struct interval factor)
+static struct outer outer_stretch(struct interval gap, struct interval factor)
 {
     const double lo_factor = gap.lo <= 0 ? factor.lo : factor.hi;
     return with_gap(gap.lo * lo_factor, gap.hi * (gap.hi >= 0 ? factor.lo : factor.hi));
@@ -53,7 +53,7 @@ static bool has_zero_in_gap(struct outer a)
 }
 
 /* Returns bounds of all products of a number in a and one in b. */
-static struct outer multiplied(struct outer a, struct outer b)
+static struct outer outer_multiply(struct outer a, struct outer b)
 {
     if (!a.has_gap && !b.has_gap)
         return outer_interval(interval_mul(a.interval, b.interval));
@@ -67,14 +67,14 @@ static struct outer multiplied(struct outer a, struct outer b)
     if (interval_empty(plain.interval))
         return plain;
     if (plain.interval.lo > 0)
-        return stretched(gap.interval, plain.interval);
+        return outer_stretch(gap.interval, plain.interval);
     if (plain.interval.hi < 0)
-        return negated(stretched(gap.interval, interval_neg(plain.interval)));
+        return outer_negate(outer_stretch(gap.interval, interval_neg(plain.interval)));
     return anything();
 }
 
 /* Returns bounds of 1/a. If a contains 0, these are all numbers except a gap around 0. */
-static struct outer inverse(struct outer a)
+static struct outer outer_inverse(struct outer a)
 {
     if (!a.has_gap && !interval_has(a.interval, 0))
         return outer_interval(interval_div(interval_point(1), a.interval));
@@ -89,15 +89,15 @@ static struct outer inverse(struct outer a)
 }
 
 /* Returns bounds of a^n. */
-static struct outer powered(struct outer a, int n)
+static struct outer outer_power(struct outer a, int n)
 {
     if (n < 0)
-        return inverse(powered(a, -n));
+        return outer_inverse(outer_power(a, -n));
     if (!a.has_gap)
         return outer_interval(interval_power(a.interval, n));
     struct outer product = outer_interval(interval_point(1));
     for (int k = 0; k < n; k++)
-        product = multiplied(product, a);
+        product = outer_multiply(product, a);
     return product;
 }
 
@@ -118,19 +118,19 @@ static struct outer outer_of_operation(const struct op *op, const struct outer *
     case OP_NUMBER:
         return outer_interval(interval_point(op->number));
     case OP_NEG:
-        return negated(x[0]);
+        return outer_negate(x[0]);
     case OP_ADD:
         return outer_add(x[0], x[1]);
     case OP_SUB:
-        return outer_add(x[0], negated(x[1]));
+        return outer_add(x[0], outer_negate(x[1]));
     case OP_MUL:
-        return multiplied(x[0], x[1]);
+        return outer_multiply(x[0], x[1]);
     case OP_DIV:
-        return multiplied(x[0], inverse(x[1]));
+        return outer_multiply(x[0], outer_inverse(x[1]));
     case OP_POW: {
         const double n = x[1].interval.lo;
         if (!x[1].has_gap && n == x[1].interval.hi && n == floor(n) && fabs(n) <= 8)
-            return powered(x[0], (int)n);
+            return outer_power(x[0], (int)n);
         break;
     }
     default:

@@ -29,8 +29,9 @@ static double root_value(const struct root_search *roots, double x)
     return roots->value(roots->context, x);
 }
 
-/* Passes a zero, with the sign behind it, to the caller's found(), which may stop the search. */
-static void found(struct root_search *roots, double x, int sign)
+/* Passes a zero, with the sign behind it, to the caller's root_report(), which may stop the search.
+ */
+static void root_report(struct root_search *roots, double x, int sign)
 {
     roots->count++;
     roots->stopped = !roots->found(roots->context, x, sign) || roots->stopped;
@@ -67,7 +68,7 @@ double root_between(double (*value)(void *context, double x), void *context, dou
 }
 
 /* Returns the point behind the sign change in s. */
-static double locate(const struct root_search *roots, const struct root_interval *s)
+static double root_locate(const struct root_search *roots, const struct root_interval *s)
 {
     return s->fa == 0
                ? s->a
@@ -82,19 +83,19 @@ static void root_interval_pass(struct root_search *roots, const struct root_inte
     if (end_sign == 0)
         return;
     if (roots->sign != 0 && end_sign != roots->sign)
-        found(roots, locate(roots, s), end_sign);
+        root_report(roots, root_locate(roots, s), end_sign);
     roots->sign = end_sign;
 }
 
 /* Passes x as a touch of 0 to the caller, if it counts as one and is not the same as the last. */
-static void touch(struct root_search *roots, double x)
+static void touch_report(struct root_search *roots, double x)
 {
     if (!roots->touches || (roots->touched && x - roots->last_touch <= TOUCH_SEPARATION))
         return;
     if (roots->touches(roots->context, x)) {
         roots->touched = true;
         roots->last_touch = x;
-        found(roots, x, 0);
+        root_report(roots, x, 0);
     }
 }
 
@@ -111,8 +112,8 @@ static double slope_at(const struct root_search *roots, double x)
  * of slopes may be too wide to tell where that is; with a second derivative of at least `bend` it
  * is within a distance that follows, which is searched by values alone (golden section; Kiefer
  * 1953). */
-static bool reaches_near(const struct root_search *roots, const struct root_interval *s,
-                         double bend, double *x)
+static bool crosses_near_extreme(const struct root_search *roots, const struct root_interval *s,
+                                 double bend, double *x)
 {
     const struct interval slope = roots->bounds(roots->context, *x, *x).slope;
     const double max = fmax(fabs(slope.lo), fabs(slope.hi)), radius = 2 * max / bend;
@@ -144,7 +145,8 @@ static bool reaches_near(const struct root_search *roots, const struct root_inte
 
 /* Returns true if a curve whose ends are on one side of 0 has its extreme value on the other. Sets
  * *x to a point there, or to the one where the value is nearest to 0 if it returns false. */
-static bool reaches(const struct root_search *roots, const struct root_interval *s, double *x)
+static bool crosses_at_extreme(const struct root_search *roots, const struct root_interval *s,
+                               double *x)
 {
     double a = s->a, b = s->b, ga = roots->sign * slope_at(roots, a),
            gb = roots->sign * slope_at(roots, b);
@@ -190,7 +192,7 @@ static bool leaves_zero(struct root_search *roots, const struct root_interval *s
     if (s->fa != 0 || sign_of(s->fb) != bend || !(bend * slope_at(roots, s->a) < 0))
         return false;
     roots->sign = bend;
-    const bool dips = reaches(roots, s, &x);
+    const bool dips = crosses_at_extreme(roots, s, &x);
     roots->sign = previous_sign;
     if (!dips)
         return false;
@@ -214,14 +216,15 @@ static void bent_interval_search(struct root_search *roots, const struct root_in
         return;
     }
     double x;
-    const bool crosses_zero = reaches(roots, s, &x) ||
-                              reaches_near(roots, s, fmin(fabs(second->lo), fabs(second->hi)), &x);
+    const bool crosses_zero =
+        crosses_at_extreme(roots, s, &x) ||
+        crosses_near_extreme(roots, s, fmin(fabs(second->lo), fabs(second->hi)), &x);
     if (!crosses_zero) {
-        touch(roots, x);
+        touch_report(roots, x);
         return;
     }
     if (roots->touches && roots->touches(roots->context, x)) {
-        touch(roots, x);
+        touch_report(roots, x);
         return;
     }
     const double fx = root_value(roots, x);
@@ -249,11 +252,11 @@ static struct interval value_bounds(const struct jet *jet, const struct root_int
 }
 
 /* Handles a sign change between the last interval and the beginning of s, as at a jump. */
-static void enter(struct root_search *roots, const struct root_interval *s)
+static void begin_sign_enter(struct root_search *roots, const struct root_interval *s)
 {
     const int begin_sign = sign_of(s->fa);
     if (begin_sign != 0 && roots->sign != 0 && begin_sign != roots->sign)
-        found(roots, s->a, begin_sign);
+        root_report(roots, s->a, begin_sign);
     roots->sign = begin_sign != 0 ? begin_sign : roots->sign;
 }
 
@@ -263,11 +266,11 @@ static void pass_undecided(struct root_search *roots, struct root_interval *all)
 {
     if (!(all->b > all->a))
         return;
-    enter(roots, all);
+    begin_sign_enter(roots, all);
     const int previous_sign = roots->sign;
     root_interval_pass(roots, all);
     if (roots->sign == previous_sign)
-        touch(roots, all->a + (all->b - all->a) / 2);
+        touch_report(roots, all->a + (all->b - all->a) / 2);
     all->b = all->a;
 }
 
@@ -311,8 +314,8 @@ static bool is_uncuttable(struct root_search *roots, const struct root_interval 
 /* Evaluates bounds of the interval, and handles it completely if they decide how many zeros it
  * has at most. Then it also handles the undecided part before it. Returns false if they do not
  * decide. */
-static bool decided(struct root_search *roots, const struct root_interval *s,
-                    struct root_interval *undecided)
+static bool interval_decide(struct root_search *roots, const struct root_interval *s,
+                            struct root_interval *undecided)
 {
     const struct jet jet = roots->bounds(roots->context, s->a, s->b);
     roots->used++;
@@ -323,7 +326,7 @@ static bool decided(struct root_search *roots, const struct root_interval *s,
     if (!empty && !one && !excludes_zero(&jet.bend))
         return false;
     pass_undecided(roots, undecided);
-    enter(roots, s);
+    begin_sign_enter(roots, s);
     if (!empty && one)
         root_interval_pass(roots, s);
     else if (!empty)
@@ -339,7 +342,7 @@ void roots_find(struct root_search *roots, double a, double fa, double b, double
     roots->unsure = roots->stopped = roots->touched = false;
     while (depth > 0 && !roots->stopped) {
         const struct root_interval s = stack[--depth];
-        if (decided(roots, &s, &undecided))
+        if (interval_decide(roots, &s, &undecided))
             continue;
         const double middle = s.a + (s.b - s.a) / 2;
         if (depth + 2 > BISECTION_DEPTH_MAX || is_uncuttable(roots, &s, middle)) {

@@ -134,7 +134,7 @@ static bool units_of_sum(struct compiler *c, const char *verb, const struct type
 
 /* Returns true if the operand is a pure number or an angle; always, if no unit was typed in it.
  * `what` names the function or "an exponent" in the error. */
-static bool is_pure(struct compiler *c, const char *what, const struct typed_operand *a)
+static bool check_pure(struct compiler *c, const char *what, const struct typed_operand *a)
 {
     const struct dimension *dimension = &a->dimension;
     if (!dimension->unit || dimension->kind != DIMENSION_KNOWN || dimension_is_pure(dimension))
@@ -148,14 +148,15 @@ static bool is_pure(struct compiler *c, const char *what, const struct typed_ope
 }
 
 /* Sets *made to the dimension of a to the power of the operand after it. */
-static bool raise(struct compiler *c, const struct typed_operand *a, struct dimension *made)
+static bool power_dimension(struct compiler *c, const struct typed_operand *a,
+                            struct dimension *made)
 {
     const struct typed_operand *exponent = a + 1;
     const struct op *last = &c->expr->op[c->expr->count - 1];
     const struct typed_operand pair = {.text = text_between(a->text.data, text_end(exponent->text)),
                                        .number = exponent->number,
                                        .unit = exponent->unit};
-    if (!is_pure(c, "an exponent", exponent)) {
+    if (!check_pure(c, "an exponent", exponent)) {
         hint_readings(&pair, c->error);
         return false;
     }
@@ -175,7 +176,7 @@ static bool raise(struct compiler *c, const struct typed_operand *a, struct dime
 
 /* Returns the dimension of a number that is computed from `arity` operands, with what users typed
  * in these. */
-static struct dimension number_of(const struct typed_operand *a, size_t arity)
+static struct dimension number_dimension(const struct typed_operand *a, size_t arity)
 {
     struct dimension made = {.kind = DIMENSION_BARE};
     for (size_t i = 0; i < arity; i++) {
@@ -192,9 +193,9 @@ static bool call_dimension(struct compiler *c, const struct function *function,
 {
     const char *name = function->row.name;
     const enum function_dimension rule = function->dimension;
-    *made = number_of(a, arity);
+    *made = number_dimension(a, arity);
     if (rule == FUNCTION_POWER)
-        return raise(c, a, made);
+        return power_dimension(c, a, made);
     if (rule == FUNCTION_CHOICE)
         return units_of_sum(c, "go together", &a[1], &a[2], true, made);
     if (rule == FUNCTION_SQUARE_ROOT || rule == FUNCTION_CUBE_ROOT) {
@@ -209,7 +210,7 @@ static bool call_dimension(struct compiler *c, const struct function *function,
     }
     if (rule == FUNCTION_PURE || rule == FUNCTION_ANGLE) {
         for (size_t i = 0; i < arity; i++)
-            if (!is_pure(c, name, &a[i]))
+            if (!check_pure(c, name, &a[i]))
                 return false;
         return true;
     }
@@ -247,7 +248,7 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
         *dimension = dimension_product(&a[0].dimension, &a[1].dimension, operation->kind == OP_DIV);
         break;
     case OP_POW:
-        if (!raise(c, a, dimension))
+        if (!power_dimension(c, a, dimension))
             return false;
         break;
     case OP_CALL:
@@ -260,7 +261,7 @@ bool units_of_operation(struct compiler *c, const struct op *operation, size_t a
     default: /* comparisons; numbers and names are no operations */
         if (!units_of_sum(c, "compare", &a[0], &a[1], true, dimension))
             return false;
-        *dimension = number_of(a, arity);
+        *dimension = number_dimension(a, arity);
     }
     c->operand[c->values - arity] = made; /* making room for more may have moved the array */
     return true;

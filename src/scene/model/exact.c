@@ -153,7 +153,8 @@ static struct flow flow_over(struct exponentials *known, const struct roots *z, 
 }
 
 /* Returns the response from rest to a drive exp(c t), and its rate. */
-static node answer(struct exponentials *known, const struct roots *z, node c, real time, node *rate)
+static node drive_response(struct exponentials *known, const struct roots *z, node c, real time,
+                           node *rate)
 {
     const node from_rest = divided3(known, z->a, z->b, c, time);
     *rate = z->a * from_rest + divided2(known, z->b, c, time);
@@ -185,7 +186,7 @@ static struct parts oscillator_solve(const struct oscillator *o, const struct ro
         const node c = (real)o->omega * (node)I;
         const node drive =
             (real)o->drive * cexpl(((real)o->omega * begin + (real)o->phase) * (node)I);
-        made.p = drive * answer(&known, z, c, elapsed, &made.p_rate);
+        made.p = drive * drive_response(&known, z, c, elapsed, &made.p_rate);
         made.p_rate *= drive;
         made.drive = drive * cexpl(c * elapsed);
     }
@@ -296,7 +297,7 @@ struct exact_table *exact_table_create(const struct system *system, double t0, c
         table->entry[i].response =
             o->gravity != 0 ? creall(divided3(&known, z.a, z.b, 0, time)) : 0;
         if (o->drive != 0) {
-            table->entry[i].p = answer(&known, &z, c, time, &table->entry[i].p_rate);
+            table->entry[i].p = drive_response(&known, &z, c, time, &table->entry[i].p_rate);
             table->entry[i].turn = cexpl(c * time);
         }
     }

@@ -46,7 +46,8 @@ static struct typed_part *typed_part_find(struct typed_part *part, const struct 
 
 /* Returns the part for a set of parameters that are 0, which is made if there is none. Returns NULL
  * with an error. */
-static struct typed_part *part_for(const struct typed *typed, uint64_t zeros, struct error *error)
+static struct typed_part *typed_part_get(const struct typed *typed, uint64_t zeros,
+                                         struct error *error)
 {
     struct typed_parts *parts = typed->parts;
     struct typed_part *seen = atomic_load(&parts->first),
@@ -125,7 +126,7 @@ bool typed_bind(const struct typed *typed, const double *param, struct system *s
     uint64_t zeros = 0;
     for (int i = 0; i < typed->reads; i++)
         zeros |= (uint64_t)(param[typed->read[i]] == 0) << i;
-    const struct typed_part *part = part_for(typed, zeros, error);
+    const struct typed_part *part = typed_part_get(typed, zeros, error);
     if (!part)
         return false;
     if (!typed->base) {
@@ -165,8 +166,8 @@ const struct program *term_program(const struct bound_term *term, int *values)
 /* ---- force and potential ---- */
 
 /* Sets the error that force and potential of coordinate i differ at the state y. Returns false. */
-static bool disagree(const struct system *system, const double *y, int i, double slope,
-                     double force, struct error *error)
+static bool refuse_potential(const struct system *system, const double *y, int i, double slope,
+                             double force, struct error *error)
 {
     struct buffer state_text = {0};
     for (int k = 0; k < system->n / 2; k++) {
@@ -210,7 +211,7 @@ bool typed_check(const struct system *system, struct error *error)
             size = fmax(size, fmax(fabs(slope[i]), fabs(system->mass * a[i])));
         for (int i = 0; i < rows && isfinite(size); i++) /* skips points where they are infinite */
             if (fabs(system->mass * a[i] + slope[i]) > tolerated * size)
-                return disagree(system, y, i, -slope[i], system->mass * a[i], error);
+                return refuse_potential(system, y, i, -slope[i], system->mass * a[i], error);
     }
     atomic_store(&part->checked, true);
     return true;

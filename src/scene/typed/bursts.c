@@ -232,7 +232,7 @@ static int burst_append(const struct way *way, double a, double b, struct burst 
 /* Searches the whole path for bursts of one derivative, by halving intervals. `size` is that of its
  * variable; *allowed counts down the intervals examined. Returns the number of bursts, at most
  * `max`. */
-static int search_row(struct way *way, int row, double size, bool sure, int64_t *allowed,
+static int row_search(struct way *way, int row, double size, bool sure, int64_t *allowed,
                       struct burst *burst, int count, int max)
 {
     const double length = fabs(way->t[1] - way->t[0]);
@@ -288,7 +288,7 @@ int bursts_within(const struct system *system, const double t[2], const double *
     const int rows = typed_rows(typed);
     bend_way(system, &way);
     for (int i = 0; i < rows; i++)
-        count = search_row(&way, i, system->scale[system->n - rows + i], sure, allowed, burst,
+        count = row_search(&way, i, system->scale[system->n - rows + i], sure, allowed, burst,
                            count, max);
     return count;
 }

@@ -74,7 +74,7 @@ static enum quantity rate_of(enum quantity quantity)
 }
 
 /* Notes the first variable that has no equation yet. */
-static void incomplete(struct compile *c)
+static void incomplete_find(struct compile *c)
 {
     c->typed->incomplete = -1;
     for (int i = c->unknowns - 1; i >= 0; i--)
@@ -84,7 +84,7 @@ static void incomplete(struct compile *c)
 
 /* Gives the variables their places in the state, the velocities last, and adds their initial
  * values. The scene is of second order only if all variables are. Returns false with an error. */
-static bool lay_out(struct compile *c)
+static bool state_lay_out(struct compile *c)
 {
     struct typed *typed = c->typed;
     struct model *model = &typed->model;
@@ -227,7 +227,7 @@ static bool check_mechanics(const struct compile *c, const unsigned *depends)
 
 /* Sets *whole to the sum of all that is typed for a row, in a scene of second order with all forces
  * over the mass; NULL if there is nothing. Returns false with an error. */
-static bool whole_row(struct compile *c, int row, const struct expr **whole)
+static bool row_sum(struct compile *c, int row, const struct expr **whole)
 {
     struct typed *typed = c->typed;
     struct arena *arena = &typed->arena;
@@ -274,7 +274,7 @@ static bool group_rows(struct compile *c, const unsigned *depends)
         const struct expr *whole, *group[GROUPS] = {NULL, NULL, NULL};
         if (cancelled(typed->cancel))
             return error_set(c->error, ERROR_CANCELLED, "stopped; nothing was changed");
-        if (!whole_row(c, row, &whole) || (whole && !typed_sort(&sort, whole, group)))
+        if (!row_sum(c, row, &whole) || (whole && !typed_sort(&sort, whole, group)))
             return false;
         for (int g = 0; g < GROUPS; g++) {
             if (!group[g])
@@ -336,14 +336,14 @@ static bool make_model(struct compile *c)
         model->row = (struct row){typed->name, "", "equations typed by the user", "", NULL};
         model->derived = &no_derived;
         model->begin = typed_begin;
-        if (!lay_out(c))
+        if (!state_lay_out(c))
             return false;
     }
     model->params = &typed->params;
     model->terms = &typed->terms;
     model->typed = typed;
     typed->preset = (struct preset){.row = model->row, .model = model};
-    incomplete(c);
+    incomplete_find(c);
     if (!number_names(c))
         return false;
     renumber_all(c);

@@ -22,7 +22,7 @@ static const struct drive_part unknown = {false, 0, 0, 0}, neither = {false, 0, 
 
 /* Returns the shortest time that is a whole multiple of both periods; NAN if there is none. A
  * period of 0 stands for a steady part. */
-static double common(double p, double q)
+static double common_period(double p, double q)
 {
     if (p == 0 || q == 0)
         return p == 0 ? q : p;
@@ -44,7 +44,7 @@ static bool steady(const struct drive_part *part)
 static struct drive_part sum_of(const struct drive_part *a, const struct drive_part *b, double sign)
 {
     const double rate = a->rate + sign * b->rate;
-    const double period = common(a->period, b->period);
+    const double period = common_period(a->period, b->period);
     if (rate != 0 && period != 0)
         return neither;
     return (struct drive_part){a->known && b->known, a->value + sign * b->value, rate, period};
@@ -58,7 +58,7 @@ static struct drive_part product_of(const struct drive_part *a, const struct dri
         return (struct drive_part){.known = true};
     if (a->rate == 0 && b->rate == 0)
         return (struct drive_part){a->known && b->known, a->value * b->value, 0,
-                                   common(a->period, b->period)};
+                                   common_period(a->period, b->period)};
     const struct drive_part *moving = a->rate != 0 ? a : b;
     const struct drive_part *other = a->rate != 0 ? b : a;
     if (!steady(other) || !other->known)
@@ -85,7 +85,7 @@ static struct drive_part call_of(const char *name, const struct drive_part *argu
 }
 
 /* Returns the value of an operation on `arity` parts. */
-static struct drive_part applied(const struct op *op, const struct drive_part *a, int arity)
+static struct drive_part operation_apply(const struct op *op, const struct drive_part *a, int arity)
 {
     static const struct drive_part none = {.known = true};
     double stack[3], period = 0;
@@ -93,7 +93,7 @@ static struct drive_part applied(const struct op *op, const struct drive_part *a
     for (int i = 0; i < arity; i++) {
         known = known && a[i].known && steady(&a[i]);
         moves = moves || a[i].rate != 0;
-        period = common(period, a[i].period);
+        period = common_period(period, a[i].period);
         stack[i] = a[i].value;
     }
     if (known) {
@@ -140,7 +140,7 @@ static struct drive_part part_of(const struct expr *expr, const struct drive_par
         } else {
             const int arity = op_arity(op);
             top -= arity;
-            stack[top] = applied(op, stack + top, arity);
+            stack[top] = operation_apply(op, stack + top, arity);
             top++;
         }
     }
@@ -165,7 +165,7 @@ static double typed_drive(const struct typed *typed, const double *c)
         for (int i = 0; typed->group[g] && i < typed_rows(typed); i++)
             if (typed->group[g][i]) {
                 const struct drive_part part = part_of(typed->group[g][i], name);
-                period = common(period, part.rate != 0 ? NAN : part.period);
+                period = common_period(period, part.rate != 0 ? NAN : part.period);
             }
     return period;
 }
@@ -180,6 +180,6 @@ double system_drive(const struct system *system)
                 2 * acos(-1) / (strcmp(term->row->row.name, "drive") == 0 ? fabs(term->c[1]) : 1);
     }
     const struct typed *typed = system->model->typed;
-    return typed && system->typed.row ? common(period, typed_drive(typed, system->typed.c))
+    return typed && system->typed.row ? common_period(period, typed_drive(typed, system->typed.c))
                                       : period;
 }

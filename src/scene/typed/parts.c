@@ -201,7 +201,7 @@ static bool make_term(const struct part_making *m, struct typed_term *term, int 
 
 /* Makes the term of the sum of all groups, in the order in which they would be added. Returns false
  * with an error. */
-static bool make_whole(const struct part_making *m, struct typed_part *part)
+static bool sum_term_make(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
     struct arena arena = {0};
@@ -274,12 +274,12 @@ static bool make_groups(const struct part_making *m, struct typed_part *part)
         !(force->row.flags & TERM_LINEAR) && !make_integrals(m, force, first[GROUP_FORCE]))
         return false;
     typed_found_rows(part);
-    return !whole || make_whole(m, part);
+    return !whole || sum_term_make(m, part);
 }
 
 /* Makes the programs of the observed quantities and of the typed potential. Returns false with an
  * error. */
-static bool make_looks(const struct part_making *m, struct typed_part *part)
+static bool observed_make(const struct part_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;
     struct typed_term *force = &part->term[GROUP_FORCE];
@@ -350,7 +350,7 @@ struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, 
     for (int i = 0; fine && i < typed->observes; i++)
         fine =
             equations_let(m.equations, typed_first_observed(typed) + i, typed->observe[i], error);
-    fine = fine && make_groups(&m, part) && make_looks(&m, part) &&
+    fine = fine && make_groups(&m, part) && observed_make(&m, part) &&
            typed_freeze(typed, zeros, part, error);
     equations_destroy(m.equations);
     free(bound);

@@ -217,7 +217,7 @@ static bool find_masses(const struct typed_term *term, const double *c,
 }
 
 /* Enters the ratios of masses into the system and its terms, unless all are 1. */
-static void set_masses(struct system *system, const double *ratio)
+static void ratios_enter(struct system *system, const double *ratio)
 {
     const int rows = system->n / 2;
     bool alike = true;
@@ -242,7 +242,7 @@ static bool fits_between(const double *c, const double *a, const double *b, doub
 }
 
 /* Returns true if the formula is about 0 at infinity. */
-static bool fades(const double *c, const double *y, double value)
+static bool vanishes_at_infinity(const double *c, const double *y, double value)
 {
     const double far = 1e6, small = 1e-3;
     double away[LIMIT_VARIABLES] = {0};
@@ -261,7 +261,7 @@ static bool is_potential(double (*potential)(const double *c, const double *y),
     for (int k = 0; k < count; k++) {
         value[k] = potential(c, point[k]);
         if (!isfinite(value[k]) ||
-            (potential == formula_from_infinity && !fades(c, point[k], value[k])))
+            (potential == formula_from_infinity && !vanishes_at_infinity(c, point[k], value[k])))
             return false;
     }
     for (int k = 0; typed_rows(term->typed) > 1 && k < count; k++)
@@ -287,7 +287,7 @@ bool typed_find_potential(struct system *system)
     if (system->n > 2 && !find_masses(term, bound->c, point, count, ratio))
         return false;
     if (system->n > 2)
-        set_masses(system, ratio);
+        ratios_enter(system, ratio);
     const bool linear = term->row.flags & TERM_LINEAR;
     for (int i = linear ? 0 : 1; i < (linear ? 1 : TYPED_FOUND) && count > 0; i++)
         if (linear || is_potential(potentials[i], term, bound->c, point, count)) {

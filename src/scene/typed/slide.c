@@ -29,7 +29,8 @@ static const struct sliding *sliding_of(const double *c)
 }
 
 /* Computes the rate of each argument along the field f. */
-static void rates(const struct sliding *s, double t, const double *y, const double *f, double *rate)
+static void argument_rates(const struct sliding *s, double t, const double *y, const double *f,
+                           double *rate)
 {
     const int n = s->side[0].n;
     double a[LIMIT_VARIABLES], b[LIMIT_VARIABLES], earlier[LIMIT_SWITCHES], later[LIMIT_SWITCHES];
@@ -45,8 +46,8 @@ static void rates(const struct sliding *s, double t, const double *y, const doub
 
 /* Returns the time [s] in which a motion by `direction` moves as far as variables are large, or
  * `otherwise` if there is no motion. */
-static double moment(const struct system *system, const double *y, const double *direction,
-                     double otherwise)
+static double motion_time(const struct system *system, const double *y, const double *direction,
+                          double otherwise)
 {
     double sum = 0;
     for (int i = 0; i < system->n; i++) {
@@ -58,11 +59,11 @@ static double moment(const struct system *system, const double *y, const double 
 
 /* First and second derivatives of the arguments along (time, direction): differences of the fourth
  * order. */
-static void differences(const struct sliding *s, double t, double time, const double *y,
-                        const double *direction, double *first, double *second)
+static void argument_differences(const struct sliding *s, double t, double time, const double *y,
+                                 const double *direction, double *first, double *second)
 {
     const struct system *side = &s->side[0];
-    const double h = ARGUMENT_STEP * moment(side, y, direction, s->time_shift / ARGUMENT_STEP);
+    const double h = ARGUMENT_STEP * motion_time(side, y, direction, s->time_shift / ARGUMENT_STEP);
     double shifted[LIMIT_VARIABLES], a[5][LIMIT_SWITCHES];
     for (int k = 0; k < 5; k++) {
         for (int i = 0; i < side->n; i++)
@@ -78,15 +79,15 @@ static void differences(const struct sliding *s, double t, double time, const do
 }
 
 /* Computes the rate of each argument along the motion on one side, and the rate of that rate. */
-static void changes(const struct sliding *s, const struct system *side, double t, const double *y,
-                    double *rate, double *second)
+static void argument_changes(const struct sliding *s, const struct system *side, double t,
+                             const double *y, double *rate, double *second)
 {
     static const double weight[] = {1. / 12, -8. / 12, 0, 8. / 12, -1. / 12};
     double f[LIMIT_VARIABLES], shifted[LIMIT_VARIABLES], shifted_rate[LIMIT_VARIABLES],
         bend[LIMIT_VARIABLES] = {0};
     double more[LIMIT_SLIDING], ignored[LIMIT_SLIDING];
     system_derivative(side, t, y, f);
-    const double h = FAR_FIELD * moment(side, y, f, s->time_shift / FAR_FIELD);
+    const double h = FAR_FIELD * motion_time(side, y, f, s->time_shift / FAR_FIELD);
     for (int k = -2; k <= 2; k++) {
         for (int i = 0; i < side->n; i++)
             shifted[i] = y[i] + k * h * f[i];
@@ -94,8 +95,8 @@ static void changes(const struct sliding *s, const struct system *side, double t
         for (int i = 0; i < side->n; i++)
             bend[i] += weight[k + 2] / h * shifted_rate[i];
     }
-    differences(s, t, 1, y, f, rate, second);
-    differences(s, t, 0, y, bend, more, ignored);
+    argument_differences(s, t, 1, y, f, rate, second);
+    argument_differences(s, t, 0, y, bend, more, ignored);
     for (int i = 0; i < s->count; i++)
         second[i] += more[i];
 }
@@ -117,13 +118,13 @@ struct sliding_fields {
 };
 
 /* Fills the members of *fields for second derivatives. */
-static void look_twice(const struct sliding *s, double t, const double *y,
-                       struct sliding_fields *fields)
+static void second_fields_find(const struct sliding *s, double t, const double *y,
+                               struct sliding_fields *fields)
 {
     double rate[LIMIT_SLIDING], first[LIMIT_SLIDING], lower[LIMIT_SLIDING], upper[LIMIT_SLIDING];
-    changes(s, &s->side[0], t, y, first, lower);
+    argument_changes(s, &s->side[0], t, y, first, lower);
     for (int j = 0; j < s->count; j++) {
-        changes(s, &s->side[1 + j], t, y, rate, upper);
+        argument_changes(s, &s->side[1 + j], t, y, rate, upper);
         for (int i = 0; i < s->count; i++)
             if (fields->second[i])
                 fields->jump_rate[i][j] = upper[i] - lower[i];
@@ -137,19 +138,19 @@ static void look_twice(const struct sliding *s, double t, const double *y,
 
 /* Fills *fields at the state y. An argument whose rate no jump changes is treated by its second
  * derivative. */
-static void look_around(const struct sliding *s, double t, const double *y,
+static void fields_find(const struct sliding *s, double t, const double *y,
                         struct sliding_fields *fields)
 {
     const int n = s->side[0].n;
     bool any = false;
     system_derivative(&s->side[0], t, y, fields->field);
-    rates(s, t, y, fields->field, fields->rate);
+    argument_rates(s, t, y, fields->field, fields->rate);
     for (int i = 0; i < s->count; i++)
         fields->second[i] = true;
     for (int j = 0; j < s->count; j++) {
         double rate[LIMIT_SLIDING];
         system_derivative(&s->side[1 + j], t, y, fields->jump[j]);
-        rates(s, t, y, fields->jump[j], rate);
+        argument_rates(s, t, y, fields->jump[j], rate);
         for (int i = 0; i < n; i++)
             fields->jump[j][i] -= fields->field[i];
         for (int i = 0; i < s->count; i++) {
@@ -160,7 +161,7 @@ static void look_around(const struct sliding *s, double t, const double *y,
     for (int i = 0; i < s->count; i++)
         any = any || fields->second[i];
     if (any)
-        look_twice(s, t, y, fields);
+        second_fields_find(s, t, y, fields);
 }
 
 /* Replaces x [count] by the x nearest to it that solves matrix x = right; rows that depend on those
@@ -199,7 +200,7 @@ static void find_fractions(const struct sliding *s, double t, const double *y,
                            struct sliding_fields *fields, double *fraction)
 {
     double right[LIMIT_SLIDING] = {0};
-    look_around(s, t, y, fields);
+    fields_find(s, t, y, fields);
     for (int i = 0; i < s->count; i++) {
         fraction[i] = 0.5;
         right[i] = -fields->rate[i];
@@ -322,8 +323,8 @@ static void follow_jumps(const struct sliding *s, const struct sliding_fields *f
 
 /* Corrects the arguments whose second derivative only the jumps change, along directions that
  * follow_jumps() finds. Returns false if none of them is off. */
-static bool return_twice(const struct sliding *s, const struct sliding_fields *fields, double t,
-                         const double *miss, double *y)
+static bool second_correct(const struct sliding *s, const struct sliding_fields *fields, double t,
+                           const double *miss, double *y)
 {
     double right[LIMIT_SLIDING] = {0}, correction[LIMIT_SLIDING] = {0},
            rows[LIMIT_SLIDING][LIMIT_SLIDING] = {{0}};
@@ -346,12 +347,12 @@ static bool return_twice(const struct sliding *s, const struct sliding_fields *f
 
 /* Computes the distance of each argument from its switch. Returns true if one is off, or if its
  * rate is not 0 where it has to be. */
-static bool look_off(const struct sliding *s, double t, const double *y,
-                     struct sliding_fields *fields, double *miss)
+static bool is_off_switches(const struct sliding *s, double t, const double *y,
+                            struct sliding_fields *fields, double *miss)
 {
     double argument[LIMIT_SWITCHES];
     bool has_error = false;
-    look_around(s, t, y, fields);
+    fields_find(s, t, y, fields);
     switch_arguments(&s->side[0], t, y, argument);
     for (int k = 0; k < s->count; k++) {
         miss[k] = s->level[k] - argument[s->switch_index[k]];
@@ -361,12 +362,12 @@ static bool look_off(const struct sliding *s, double t, const double *y,
 }
 
 /* Corrects the state by a step of Newton's iteration. */
-static void step_back(const struct sliding *s, struct sliding_fields *fields, double t,
-                      double *miss, double *y)
+static void newton_correct(const struct sliding *s, struct sliding_fields *fields, double t,
+                           double *miss, double *y)
 {
     double correction[LIMIT_SLIDING] = {0};
-    if (return_twice(s, fields, t, miss, y))
-        look_off(s, t, y, fields, miss);
+    if (second_correct(s, fields, t, miss, y))
+        is_off_switches(s, t, y, fields, miss);
     for (int k = 0; k < s->count; k++)
         miss[k] = fields->second[k] ? -fields->first[k] : miss[k];
     sliding_solve(s->count, fields->jump_rate, miss, correction);
@@ -383,8 +384,9 @@ bool sliding_return(const struct sliding *s, double t, double *y)
         y[1] = 0;
         return moved;
     }
-    for (int k = 0; k < SECOND_CORRECTIONS_MAX && twice && look_off(s, t, y, &fields, miss); k++) {
-        step_back(s, &fields, t, miss, y);
+    for (int k = 0; k < SECOND_CORRECTIONS_MAX && twice && is_off_switches(s, t, y, &fields, miss);
+         k++) {
+        newton_correct(s, &fields, t, miss, y);
         moved = true;
         twice = false;
         for (int i = 0; i < s->count; i++)
@@ -398,7 +400,7 @@ bool sliding_passes(const struct sliding *s, int i, double t, const double *y, d
     struct sliding_fields fields;
     if (sliding_rests(s))
         return false;
-    look_around(s, t, y, &fields);
+    fields_find(s, t, y, &fields);
     for (int k = 0; k < s->count; k++) {
         double max = 0;
         for (int j = 0; j < s->count; j++)

@@ -126,7 +126,7 @@ struct parting {
 };
 
 /* Sets *p to the way in which the operation at `index` is split. */
-static void operation_part(const struct sorting *s, size_t index, struct parting *p)
+static void operation_parting(const struct sorting *s, size_t index, struct parting *p)
 {
     const struct op *top = &s->expr->op[index];
     *p = (struct parting){.side = {index - 1, index - 1},
@@ -171,7 +171,7 @@ static void operations_scan(struct sorting *s)
         const enum typed_group group = group_of(s->sort, operand->depends);
         struct parting p = {.sides = 0};
         if (group != group_of(s->sort, 0))
-            operation_part(s, i, &p);
+            operation_parting(s, i, &p);
         operand->groups = p.sides ? 0 : 1u << group;
         for (int k = 0; k < p.sides; k++)
             operand->groups |= s->operand[p.side[k]].groups;
@@ -179,7 +179,7 @@ static void operations_scan(struct sorting *s)
 }
 
 /* Returns the operand that the operation at `index` ends, as an expression. */
-static struct expr ending(const struct sorting *s, size_t index)
+static struct expr operand_expr(const struct sorting *s, size_t index)
 {
     const size_t begin = s->operand[index].begin;
     return (struct expr){.op = s->expr->op + begin, .count = index + 1 - begin};
@@ -192,7 +192,7 @@ static bool group_put(const struct sorting *s, size_t index, const struct wrap *
 {
     static const struct op plus = {.kind = OP_ADD};
     const struct typed_sort *sort = s->sort;
-    const struct expr own = ending(s, index), *made = &own;
+    const struct expr own = operand_expr(s, index), *made = &own;
     for (; made && wrap; wrap = wrap->outer)
         made = wrap->other_is_left
                    ? typed_join(sort->arena, wrap->other, made, wrap->op, sort->error)
@@ -215,9 +215,9 @@ static bool sort_ending(const struct sorting *s, size_t index, const struct wrap
         if (s->operand[index].groups == 1u << g)
             return group_put(s, index, wrap, &group[g]);
     struct parting p;
-    operation_part(s, index, &p);
+    operation_parting(s, index, &p);
     const struct expr factor =
-        p.sides == 1 && p.wrap[0].op != OP_NEG ? ending(s, p.factor) : (struct expr){0};
+        p.sides == 1 && p.wrap[0].op != OP_NEG ? operand_expr(s, p.factor) : (struct expr){0};
     p.wrap[0].other = factor.count ? &factor : NULL;
     for (int i = 0; i < p.sides; i++) {
         p.wrap[i].outer = wrap;

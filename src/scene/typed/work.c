@@ -51,8 +51,8 @@ static double force_along(const struct force_path *path, double s)
 
 /* Returns the integral of the force from s_begin to s_end by Kronrod's rule. Sets *size to the
  * integral of its magnitude and *error to its difference from Gauss's rule. */
-static double piece(const struct force_path *path, double s_begin, double s_end, double *size,
-                    double *error)
+static double kronrod_integral(const struct force_path *path, double s_begin, double s_end,
+                               double *size, double *error)
 {
     const double half = (s_end - s_begin) / 2, middle = (s_begin + s_end) / 2;
     double fine = 0, coarse = 0, sum = 0;
@@ -129,7 +129,7 @@ static bool add_smooth(const struct force_path *path, double s_begin, double s_e
 {
     double ends[INTERVAL_HALVINGS_MAX + 1] = {s_end}, part, error;
     for (int depth = 0; sums->pieces < WORK_INTERVALS_MAX; sums->pieces++) {
-        const double value = piece(path, s_begin, ends[depth], &part, &error);
+        const double value = kronrod_integral(path, s_begin, ends[depth], &part, &error);
         sums->total = fmax(sums->total, sums->size + part);
         if (!isfinite(value))
             return false;
@@ -151,7 +151,7 @@ static bool add_smooth(const struct force_path *path, double s_begin, double s_e
 
 /* Returns the integral over s from 0 to 1, and sets *size to that of the magnitude; NAN if it does
  * not converge. */
-static double integral(const struct force_path *path, double *size)
+static double path_integral(const struct force_path *path, double *size)
 {
     struct quadrature sums = {0};
     double s_begin = 0;
@@ -192,7 +192,7 @@ static void from_infinity(const struct force_path *path, double s, double *q, do
 }
 
 /* Returns the length of q [rows]. */
-static double length(const double *q, int rows)
+static double position_length(const double *q, int rows)
 {
     double r = 0;
     for (int i = 0; i < rows; i++)
@@ -208,8 +208,9 @@ static double length(const double *q, int rows)
 static void around_origin(const struct force_path *path, double s, double *q, double *tangent)
 {
     const int rows = path->rows;
-    const double r = length(path->q_end, rows), transverse = length(path->q_end + 1, rows - 1),
-                 rate = fixed_log(r), radius = fixed_pow(r, s);
+    const double r = position_length(path->q_end, rows),
+                 transverse = position_length(path->q_end + 1, rows - 1), rate = fixed_log(r),
+                 radius = fixed_pow(r, s);
     const double turn = rows > 1 ? fixed_atan2(transverse, path->q_end[0]) : 0;
     const double sign = rows == 1 && path->q_end[0] < 0 ? -1 : 1;
     q[0] = sign * radius * fixed_cos(s * turn);
@@ -236,5 +237,5 @@ double typed_work(const double *c, enum typed_path shape, const double *q_begin,
     typed_masses(c, mass);
     const struct force_path path = {term,    c,     typed_rows(term->typed), mass,
                                     q_begin, q_end, evaluators[shape]};
-    return integral(&path, size);
+    return path_integral(&path, size);
 }

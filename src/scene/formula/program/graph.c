@@ -82,7 +82,7 @@ static bool graph_grow(struct graph *g)
 
 /* Returns the index of a node, which is added if the graph has none that is equal. Returns 0, and
  * sets g->failed, if out of memory or if there are too many. */
-static int intern(struct graph *g, struct node node)
+static int node_intern(struct graph *g, struct node node)
 {
     if (g->failed)
         return 0;
@@ -99,7 +99,7 @@ static int intern(struct graph *g, struct node node)
             g->failed = GRAPH_NO_MEMORY;
             return 0;
         }
-        return intern(g, node);
+        return node_intern(g, node);
     }
     g->table[slot] = g->count;
     g->node[g->count] = node;
@@ -139,20 +139,20 @@ void graph_reach(const struct node *node, int count, bool *mark)
 int graph_number(struct graph *g, double number)
 {
     struct node node = {.kind = NODE_NUMBER, .number = number};
-    return payload(&node) == 0 ? 0 : intern(g, node);
+    return payload(&node) == 0 ? 0 : node_intern(g, node);
 }
 
 int graph_name(struct graph *g, int name)
 {
-    return intern(g, (struct node){.kind = NODE_NAME, .operand = {name}});
+    return node_intern(g, (struct node){.kind = NODE_NAME, .operand = {name}});
 }
 
 /* Returns the node of a number that is 0, of either sign, with its source. */
 static int zero_node(struct graph *g, enum zero_mark mark, double number)
 {
     return mark == ZERO_NUMBER ? graph_number(g, number)
-                               : intern(g, (struct node){.operand = {(int)mark},
-                                                         .number = number}); /* NODE_NUMBER */
+                               : node_intern(g, (struct node){.operand = {(int)mark},
+                                                              .number = number}); /* NODE_NUMBER */
 }
 
 int graph_known(struct graph *g, double value)
@@ -203,20 +203,20 @@ static enum zero_mark mark_of_result(const struct graph *g, const struct node *n
 }
 
 /* Returns the operand of node i if that is a negation, else -1. */
-static int negated(const struct graph *g, int i)
+static int negation_operand(const struct graph *g, int i)
 {
     return !g->failed && g->node[i].kind == NODE_NEG ? g->node[i].operand[0] : -1;
 }
 
 /* Returns true if 1/x is exact: x is a power of two, and neither it nor its inverse is denormal. */
-static bool inverts(double x)
+static bool has_exact_inverse(double x)
 {
     int exponent;
     return isfinite(x) && fabs(frexp(x, &exponent)) == 0.5 && abs(exponent) < 1000;
 }
 
 /* Returns the node of x^n by the operations of function_power(). */
-static int power(struct graph *g, int x, double n)
+static int power_node(struct graph *g, int x, double n)
 {
     int whole = (int)fabs(n), bit = POWER_MAX;
     while (bit > whole)
@@ -233,7 +233,7 @@ static int power(struct graph *g, int x, double n)
 }
 
 /* Returns a simpler node of the same value, or -1 if there is none. */
-static int simpler(struct graph *g, struct node node)
+static int node_simplify(struct graph *g, struct node node)
 {
     const int a = node.operand[0], b = node.operand[1], c = node.operand[2];
     switch (node.kind) {
@@ -241,25 +241,26 @@ static int simpler(struct graph *g, struct node node)
         if (g->binds && g->node[a].kind == NODE_MUL && node_is_number(g, g->node[a].operand[0]))
             return graph_apply(g, NODE_MUL, graph_number(g, -g->node[g->node[a].operand[0]].number),
                                g->node[a].operand[1], 0);
-        return negated(g, a);
+        return negation_operand(g, a);
     case NODE_ABS:
-        if (negated(g, a) >= 0)
-            return graph_apply(g, NODE_ABS, negated(g, a), 0, 0);
+        if (negation_operand(g, a) >= 0)
+            return graph_apply(g, NODE_ABS, negation_operand(g, a), 0, 0);
         return !g->failed && g->node[a].kind == NODE_ABS ? a : -1;
     case NODE_ADD:
         if (is_absent(g, a) || is_absent(g, b))
             return is_absent(g, a) ? b : a;
-        if (negated(g, b) >= 0)
-            return graph_apply(g, NODE_SUB, a, negated(g, b), 0);
-        if (negated(g, a) >= 0)
-            return graph_apply(g, NODE_SUB, b, negated(g, a), 0);
+        if (negation_operand(g, b) >= 0)
+            return graph_apply(g, NODE_SUB, a, negation_operand(g, b), 0);
+        if (negation_operand(g, a) >= 0)
+            return graph_apply(g, NODE_SUB, b, negation_operand(g, a), 0);
         return a == b ? graph_apply(g, NODE_MUL, graph_number(g, 2), a, 0) : -1;
     case NODE_SUB:
         if (is_absent(g, a) || is_absent(g, b))
             return is_absent(g, b) ? a : graph_apply(g, NODE_NEG, b, 0, 0);
         if (g->binds && is_node_value(g, b, 0) && !signbit(g->node[b].number))
             return a; /* also -0 */
-        return negated(g, b) >= 0 ? graph_apply(g, NODE_ADD, a, negated(g, b), 0) : -1;
+        return negation_operand(g, b) >= 0 ? graph_apply(g, NODE_ADD, a, negation_operand(g, b), 0)
+                                           : -1;
     case NODE_MUL:
         if (is_coefficient_zero(g, a) || is_coefficient_zero(g, b))
             return zero_node(g, ZERO_TERM, 0);
@@ -267,11 +268,11 @@ static int simpler(struct graph *g, struct node node)
             return is_node_value(g, a, 1) ? b : a;
         if (is_node_value(g, a, -1) || is_node_value(g, b, -1))
             return graph_apply(g, NODE_NEG, is_node_value(g, a, -1) ? b : a, 0, 0);
-        if (g->binds &&
-            (negated(g, a) >= 0 || negated(g, b) >= 0)) { /* no 0: its sign might come out wrong */
-            const bool first = negated(g, a) >= 0;
+        if (g->binds && (negation_operand(g, a) >= 0 ||
+                         negation_operand(g, b) >= 0)) { /* no 0: its sign might come out wrong */
+            const bool first = negation_operand(g, a) >= 0;
             const int other = first ? b : a;
-            const int inner = negated(g, first ? a : b);
+            const int inner = negation_operand(g, first ? a : b);
             if (node_is_number(g, other))
                 return graph_apply(g, NODE_MUL, graph_number(g, -g->node[other].number), inner, 0);
             return graph_apply(g, NODE_NEG, graph_apply(g, NODE_MUL, inner, other, 0), 0, 0);
@@ -282,7 +283,7 @@ static int simpler(struct graph *g, struct node node)
             return zero_node(g, ZERO_TERM, 0);
         if (is_node_value(g, b, 1))
             return a;
-        if (node_is_number(g, b) && inverts(g->node[b].number))
+        if (node_is_number(g, b) && has_exact_inverse(g->node[b].number))
             return graph_apply(g, NODE_MUL, a, graph_number(g, 1 / g->node[b].number), 0);
         return -1;
     case NODE_IF:
@@ -297,7 +298,8 @@ static int simpler(struct graph *g, struct node node)
             return -1;
         if (is_node_value(g, b, 0) || is_node_value(g, b, 1))
             return is_node_value(g, b, 1) ? a : graph_number(g, 1);
-        return g->binds && power_is_short(g->node[b].number) ? power(g, a, g->node[b].number) : -1;
+        return g->binds && power_is_short(g->node[b].number) ? power_node(g, a, g->node[b].number)
+                                                             : -1;
     default:
         return -1;
     }
@@ -321,7 +323,7 @@ static int graph_node_make(struct graph *g, struct node node)
         return result == 0 ? zero_node(g, mark_of_result(g, &node), result)
                            : graph_number(g, result);
     }
-    const int other = simpler(g, node);
+    const int other = node_simplify(g, node);
     if (other >= 0 || g->failed)
         return other >= 0 ? other : 0;
     /* Their operands may change places: a number to the front. */
@@ -331,7 +333,7 @@ static int graph_node_make(struct graph *g, struct node node)
         node.operand[0] = second;
         node.operand[1] = first;
     }
-    return intern(g, node);
+    return node_intern(g, node);
 }
 
 int graph_apply(struct graph *g, enum node_kind kind, int a, int b, int c)

@@ -33,7 +33,7 @@ struct integration {
     int known;
     bool *mark;     /* [GRAPH_MAX] work memory of mark_reach() */
     int *map;       /* [GRAPH_MAX] work memory of substitute() and derivative() */
-    double *value;  /* [GRAPH_MAX] work memory of quotient() */
+    double *value;  /* [GRAPH_MAX] work memory of trial_quotient() */
     int *summand;   /* [SUMMANDS_MAX] nodes of antiderivatives of all rows so far */
     int summands;   /* number of them */
     int earlier;    /* number of those of earlier rows */
@@ -61,7 +61,7 @@ static bool is_full(const struct integration *integration)
 }
 
 /* Returns true if node i depends on x. */
-static bool depends(struct integration *integration, int i)
+static bool depends_on_x(struct integration *integration, int i)
 {
     for (; integration->known <= i; integration->known++) {
         const struct node *node = &integration->g->node[integration->known];
@@ -119,7 +119,7 @@ static int derivative(struct integration *integration, int i)
 static bool is_analytic(struct integration *integration, int i)
 {
     static double (*const steps[])(double) = {floor, ceil, round, function_sign, function_step};
-    depends(integration, i);
+    depends_on_x(integration, i);
     mark_reach(integration, i);
     for (int k = 0; k <= i; k++) {
         const struct node *node = &integration->g->node[k];
@@ -138,7 +138,7 @@ static bool is_analytic(struct integration *integration, int i)
 
 /* Returns the value of node a over node b for certain values of all names: 1 in trial 0, else
  * spread values of x; other names change with every third trial. */
-static double quotient(struct integration *integration, int a, int b, int trial)
+static double trial_quotient(struct integration *integration, int a, int b, int trial)
 {
     static const double spread[] = {-1.37, 0.83, 2.19, -0.41, 1.7, 0.29, -2.6, 0.57, 1.13};
     const int last = a > b ? a : b;
@@ -172,14 +172,14 @@ static int constant_quotient(struct integration *integration, int a, int b)
     struct graph *g = integration->g;
     if (b == 0 || is_full(integration))
         return -1;
-    if (!depends(integration, a) && !depends(integration, b))
+    if (!depends_on_x(integration, a) && !depends_on_x(integration, b))
         return DIV(a, b);
     if (!is_analytic(integration, a) || !is_analytic(integration, b))
         return -1;
     double q[10];
     bool by_x = true, all = true;
     for (int trial = 0; trial < 10; trial++) {
-        q[trial] = quotient(integration, a, b, trial);
+        q[trial] = trial_quotient(integration, a, b, trial);
         const double *first = &q[trial < 2 ? 0 : 1 + (trial - 1) / 3 * 3];
         by_x &= trial == 0 || (isfinite(q[trial]) && (trial < 2 || is_near(q[trial], *first)));
         all &= trial < 2 || is_near(q[trial], q[1]);
@@ -222,7 +222,7 @@ static bool product_multiply(struct integration *integration, int i, double powe
     const struct node node = g->node[i];
     const int a = node.operand[0], b = node.operand[1];
     const bool whole = power == floor(power);
-    if (!depends(integration, i)) {
+    if (!depends_on_x(integration, i)) {
         if (node.kind == NODE_NUMBER)
             p->number *= function_power(node.number, power);
         else if (fabs(power) == 1)
@@ -242,7 +242,7 @@ static bool product_multiply(struct integration *integration, int i, double powe
         return product_multiply(integration, a, power / 2, p);
     if (node.kind == NODE_TWO && node.two == fixed_hypot)
         return add_factor(p, ADD(MUL(a, a), MUL(b, b)), power / 2, 0);
-    if (node.kind == NODE_TWO && node.two == function_power && !depends(integration, b)) {
+    if (node.kind == NODE_TWO && node.two == function_power && !depends_on_x(integration, b)) {
         if (g->node[b].kind == NODE_NUMBER)
             return product_multiply(integration, a, power * g->node[b].number, p);
         if (fabs(power) == 1)
@@ -336,7 +336,7 @@ static bool put_summand(struct integration *integration, double number, int cons
 
 /* ---- sums ---- */
 
-static bool integrate(struct integration *integration, int i, double sign);
+static bool node_integrate(struct integration *integration, int i, double sign);
 
 /* Integrates a product by substitution of one of its factors, if the others are a multiple of the
  * derivative of its argument. Returns false if no factor is one. */
@@ -370,7 +370,7 @@ static bool substitute_factor(struct integration *integration, const struct prod
 
 /* Integrates a product by multiplying out a factor that is a sum. Returns false if there is none,
  * or the parts cannot be integrated. */
-static bool expand(struct integration *integration, struct product *p, double sign)
+static bool product_expand(struct integration *integration, struct product *p, double sign)
 {
     struct graph *g = integration->g;
     for (int k = 0; k < p->count; k++) {
@@ -383,26 +383,26 @@ static bool expand(struct integration *integration, struct product *p, double si
         const int fewer = f->power > 1 ? POWER(f->base, NUMBER(f->power - 1)) : NUMBER(1);
         const int others =
             MUL(MUL(NUMBER(p->number), p->constant), MUL(other_factors(g, p, k), fewer));
-        return integrate(integration, MUL(others, sum.operand[0]), sign) &&
-               integrate(integration, MUL(others, sum.operand[1]),
-                         sum.kind == NODE_ADD ? sign : -sign);
+        return node_integrate(integration, MUL(others, sum.operand[0]), sign) &&
+               node_integrate(integration, MUL(others, sum.operand[1]),
+                              sum.kind == NODE_ADD ? sign : -sign);
     }
     return false;
 }
 
 /* Adds the antiderivative of sign times node i to the summands. Returns false if it is not
  * found. */
-static bool integrate(struct integration *integration, int i, double sign)
+static bool node_integrate(struct integration *integration, int i, double sign)
 {
     struct graph *g = integration->g;
     const struct node node = g->node[i];
     if (is_full(integration))
         return false;
     if (node.kind == NODE_NEG)
-        return integrate(integration, node.operand[0], -sign);
-    if (depends(integration, i) && (node.kind == NODE_ADD || node.kind == NODE_SUB))
-        return integrate(integration, node.operand[0], sign) &&
-               integrate(integration, node.operand[1], node.kind == NODE_ADD ? sign : -sign);
+        return node_integrate(integration, node.operand[0], -sign);
+    if (depends_on_x(integration, i) && (node.kind == NODE_ADD || node.kind == NODE_SUB))
+        return node_integrate(integration, node.operand[0], sign) &&
+               node_integrate(integration, node.operand[1], node.kind == NODE_ADD ? sign : -sign);
     if (i == 0)
         return true;
     struct product p = {.number = 1, .constant = NUMBER(1)};
@@ -413,7 +413,7 @@ static bool integrate(struct integration *integration, int i, double sign)
     if (p.count == 0)
         return put_summand(integration, signed_product.number, p.constant,
                            graph_name(g, integration->name));
-    return substitute_factor(integration, &signed_product) || expand(integration, &p, sign);
+    return substitute_factor(integration, &signed_product) || product_expand(integration, &p, sign);
 }
 
 /* Returns minus the sum of the summands from `first` on. */
@@ -444,7 +444,7 @@ static bool integrate_rows(struct integration *integration, const int *integrand
         const int row =
             along_axes ? substitute(integration, integrand[i], name + i + 1, zeros, count - i - 1)
                        : integrand[i];
-        if (!integrate(integration, row, 1))
+        if (!node_integrate(integration, row, 1))
             return false;
         const int part = made[i] = minus_sum(integration, first);
         if (along_axes) {

@@ -66,7 +66,7 @@ static void register_save(struct emitter *e, int reg)
 }
 
 /* Marks a register as free. */
-static void forget(struct emitter *e, int reg)
+static void register_free(struct emitter *e, int reg)
 {
     if (e->holds[reg] >= 0)
         e->where[e->holds[reg]] = NOTHING;
@@ -88,7 +88,7 @@ static int register_take(struct emitter *e)
             best = r;
     }
     register_save(e, best);
-    forget(e, best);
+    register_free(e, best);
     e->holds[best] = TAKEN;
     return best;
 }
@@ -99,7 +99,7 @@ static int take_value(struct emitter *e, int slot, bool last)
 {
     const int own = e->where[slot];
     if (own != NOTHING && last) {
-        forget(e, own);
+        register_free(e, own);
         e->holds[own] = TAKEN;
         return own;
     }
@@ -115,7 +115,7 @@ static int take_value(struct emitter *e, int slot, bool last)
 
 /* Writes an operation on two operands. Those of + and * may change places, so that the result
  * overwrites the one that is not used any more. */
-static int binary(struct emitter *e, const struct instruction *i, int code)
+static int binary_write(struct emitter *e, const struct instruction *i, int code)
 {
     const int *slot = i->node.operand;
     /* x + y is y + x: what is needed no more takes the result. */
@@ -128,7 +128,7 @@ static int binary(struct emitter *e, const struct instruction *i, int code)
 
 /* Writes a comparison, which gives 1 or 0, or all bits set, which is a NaN, if an operand is
  * NaN. */
-static int comparison(struct emitter *e, const struct instruction *i, int how)
+static int comparison_write(struct emitter *e, const struct instruction *i, int how)
 {
     const int *slot = i->node.operand;
     const int unordered = take_value(e, slot[0], false);
@@ -142,7 +142,7 @@ static int comparison(struct emitter *e, const struct instruction *i, int how)
 
 /* Writes the choice of the second operand if the first is above 0, else of the third, by masks; NaN
  * if the first is NaN. */
-static int choice(struct emitter *e, const struct instruction *i)
+static int choice_write(struct emitter *e, const struct instruction *i)
 {
     const int *slot = i->node.operand;
     const int unordered = take_value(e, slot[0], false), positive = register_take(e);
@@ -198,7 +198,7 @@ static int call_emit(struct emitter *e, const struct instruction *i)
     if (first < 0)
         with_slot(e, LOAD, 0, slot[0], -1);
     for (int r = 0; r < REGISTERS; r++)
-        forget(e, r);
+        register_free(e, r);
     if (arity == 2)
         with_slot(e, LOAD, 1, slot[1], -1);
     uint64_t address;
@@ -218,7 +218,7 @@ static int call_emit(struct emitter *e, const struct instruction *i)
 }
 
 /* Writes the instructions of an operation. Returns the register of the result. */
-static int operation(struct emitter *e, const struct instruction *i)
+static int operation_write(struct emitter *e, const struct instruction *i)
 {
     const int *slot = i->node.operand;
     int reg, other;
@@ -236,30 +236,30 @@ static int operation(struct emitter *e, const struct instruction *i)
         with_register(e, DOUBLE, ROOT, reg, reg);
         return reg;
     case NODE_ADD:
-        return binary(e, i, PLUS);
+        return binary_write(e, i, PLUS);
     case NODE_SUB:
-        return binary(e, i, MINUS);
+        return binary_write(e, i, MINUS);
     case NODE_MUL:
-        return binary(e, i, TIMES);
+        return binary_write(e, i, TIMES);
     case NODE_DIV:
-        return binary(e, i, OVER);
+        return binary_write(e, i, OVER);
     case NODE_LESS:
-        return comparison(e, i, LESS_THAN);
+        return comparison_write(e, i, LESS_THAN);
     case NODE_LESS_EQUAL:
-        return comparison(e, i, AT_MOST);
+        return comparison_write(e, i, AT_MOST);
     case NODE_IF:
-        return choice(e, i);
+        return choice_write(e, i);
     case NODE_MUL_ADD:
     case NODE_MUL_SUB:
-        reg = binary(e, i, TIMES);
+        reg = binary_write(e, i, TIMES);
         with_slot(e, i->node.kind == NODE_MUL_ADD ? PLUS : MINUS, reg, slot[2], -1);
         return reg;
     case NODE_NEG_MUL:
-        reg = binary(e, i, TIMES);
+        reg = binary_write(e, i, TIMES);
         with_pool(e, PACKED, XOR, reg, POOL_SIGN, 0);
         return reg;
     case NODE_SUB_MUL:
-        other = binary(e, i, TIMES);
+        other = binary_write(e, i, TIMES);
         reg = take_value(e, slot[2], i->last[2]);
         with_register(e, DOUBLE, MINUS, reg, other);
         return reg;
@@ -269,12 +269,12 @@ static int operation(struct emitter *e, const struct instruction *i)
 }
 
 /* Writes an operation and updates which values are in registers and depend on the state. */
-static void instruction(struct emitter *e, const struct instruction *i)
+static void instruction_write(struct emitter *e, const struct instruction *i)
 {
-    const int result = operation(e, i);
+    const int result = operation_write(e, i);
     for (int k = 0; k < node_arity(i->node.kind); k++)
         if (i->last[k] && e->where[i->node.operand[k]] != NOTHING)
-            forget(e, e->where[i->node.operand[k]]);
+            register_free(e, e->where[i->node.operand[k]]);
     for (int r = 0; r < REGISTERS; r++)
         if (e->holds[r] == TAKEN)
             e->holds[r] = NOTHING;
@@ -355,7 +355,7 @@ static void write_code(struct emitter *e, bool calls)
             e->dirty[p->used[i]] = true;
         }
     for (int i = 0; i < p->count; i++)
-        instruction(e, &p->code[i]);
+        instruction_write(e, &p->code[i]);
     for (int i = 2; i < p->outputs; i++) {
         int reg = e->where[p->output[i]];
         if (reg == NOTHING) {

@@ -34,7 +34,7 @@ static bool opposite(const struct freezing *f, int a, int b)
 /* Returns the name of the branch of a switch with argument u, as a node: an existing one if it has
  * this argument or its negative, else a new one. Returns 0, and sets found->full, if there are too
  * many. */
-static int branch(struct freezing *f, int u, enum switch_kind kind)
+static int branch_node(struct freezing *f, int u, enum switch_kind kind)
 {
     struct switches *found = f->found;
     for (int i = 0; i < found->count; i++) {
@@ -56,9 +56,9 @@ static int branch(struct freezing *f, int u, enum switch_kind kind)
 }
 
 /* Returns the branch that is the largest integer not above u. */
-static int whole(struct freezing *f, int u)
+static int floor_node(struct freezing *f, int u)
 {
-    return branch(f, u, SWITCH_WHOLE);
+    return branch_node(f, u, SWITCH_WHOLE);
 }
 
 /* Returns the frozen node of a function of one argument, or -1 if it is smooth. */
@@ -66,16 +66,16 @@ static int freeze_one(struct freezing *f, const struct node *node, int x)
 {
     struct graph *g = &f->e->graph;
     if (node->one == function_sign)
-        return frozen_node(f, NODE_IF, branch(f, x, SWITCH_SIGN), graph_number(g, 1),
+        return frozen_node(f, NODE_IF, branch_node(f, x, SWITCH_SIGN), graph_number(g, 1),
                            graph_number(g, -1));
     if (node->one == function_step)
-        return branch(f, x, SWITCH_SIGN);
+        return branch_node(f, x, SWITCH_SIGN);
     if (node->one == floor)
-        return whole(f, x);
+        return floor_node(f, x);
     if (node->one == ceil)
-        return frozen_node(f, NODE_NEG, whole(f, frozen_node(f, NODE_NEG, x, 0, 0)), 0, 0);
+        return frozen_node(f, NODE_NEG, floor_node(f, frozen_node(f, NODE_NEG, x, 0, 0)), 0, 0);
     if (node->one == round)
-        return whole(f, frozen_node(f, NODE_ADD, x, graph_number(g, 0.5), 0));
+        return floor_node(f, frozen_node(f, NODE_ADD, x, graph_number(g, 0.5), 0));
     return -1;
 }
 
@@ -83,14 +83,14 @@ static int freeze_one(struct freezing *f, const struct node *node, int x)
 static int freeze_two(struct freezing *f, const struct node *node, int a, int b)
 {
     if (node->two == function_min || node->two == function_max) {
-        const int less = branch(f, frozen_node(f, NODE_SUB, b, a, 0), SWITCH_SIGN);
+        const int less = branch_node(f, frozen_node(f, NODE_SUB, b, a, 0), SWITCH_SIGN);
         return node->two == function_min ? frozen_node(f, NODE_IF, less, a, b)
                                          : frozen_node(f, NODE_IF, less, b, a);
     }
     if (node->two == function_mod)
         return frozen_node(
             f, NODE_SUB, a,
-            frozen_node(f, NODE_MUL, b, whole(f, frozen_node(f, NODE_DIV, a, b, 0)), 0), 0);
+            frozen_node(f, NODE_MUL, b, floor_node(f, frozen_node(f, NODE_DIV, a, b, 0)), 0), 0);
     return -1;
 }
 
@@ -100,14 +100,15 @@ static int freeze(struct freezing *f, const struct node *node, const int *x, boo
 {
     switch (node->kind) {
     case NODE_ABS:
-        return frozen_node(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[0],
+        return frozen_node(f, NODE_IF, branch_node(f, x[0], SWITCH_SIGN), x[0],
                            frozen_node(f, NODE_NEG, x[0], 0, 0));
     case NODE_LESS:
     case NODE_LESS_EQUAL:
-        return branch(f, frozen_node(f, NODE_SUB, x[1], x[0], 0), SWITCH_SIGN);
+        return branch_node(f, frozen_node(f, NODE_SUB, x[1], x[0], 0), SWITCH_SIGN);
     case NODE_IF:
-        return condition_moves ? frozen_node(f, NODE_IF, branch(f, x[0], SWITCH_SIGN), x[1], x[2])
-                               : -1;
+        return condition_moves
+                   ? frozen_node(f, NODE_IF, branch_node(f, x[0], SWITCH_SIGN), x[1], x[2])
+                   : -1;
     case NODE_ONE:
         return freeze_one(f, node, x[0]);
     case NODE_TWO:
@@ -150,7 +151,7 @@ static bool wants_positive(const struct freezing *f, const struct node *node)
  * step that ends at a switch evaluates the branch beyond it, where sqrt(y) of if(y > 0, sqrt(y),
  * 0), or the branch y of max(y, 0)^1.5, is not a number. Under if(), the function may have no value
  * on this side either, which `extended` notes: the step then evaluates the equations themselves. */
-static void go_on_beyond(struct freezing *f, int node, const struct node *kind, int *map)
+static void branch_continue_beyond(struct freezing *f, int node, const struct node *kind, int *map)
 {
     const int operand = kind->operand[0];
     const bool power = kind->kind == NODE_TWO && kind->two == function_power;
@@ -194,7 +195,7 @@ static void freeze_nodes(struct freezing *f, int count, const bool *reached)
         else if (arity > 0) {
             const int operand = f->map[node.operand[0]];
             if (moving)
-                go_on_beyond(f, i, &node, f->map);
+                branch_continue_beyond(f, i, &node, f->map);
             frozen = graph_copy(&f->e->graph, &node, f->map);
             f->map[node.operand[0]] = operand;
         }
