@@ -73,8 +73,12 @@ static struct contestant *choose_contestants(const struct session *session,
     for (int i = 0; list && i < methods; i++) {
         const struct method *one = method_from(method[i]);
         const bool adapts = one->flags & METHOD_ADAPTIVE && settings->tol > 0;
-        list[(*count)++] = (struct contestant){one, adapts ? NAN : settings->dt,
-                                               adapts ? settings->tol : NAN, DRAG_DEFAULT};
+        struct contestant *added = &list[(*count)++];
+        *added = (struct contestant){one, NAN, NAN, DRAG_DEFAULT};
+        if (adapts)
+            added->tol = settings->tol;
+        else
+            added->dt = settings->dt;
     }
     return list;
 }
@@ -102,10 +106,11 @@ static bool add_errors(const struct system *system, const struct reference *refe
                        const struct contestant *c, const char *curve, const struct cancel *cancel,
                        struct along_row *rows, size_t *n, struct error *error)
 {
-    struct run_settings settings = {.dt = c->tol > 0 ? 0 : c->dt,
-                                    .tol = c->tol > 0 ? c->tol : 0,
-                                    .drag = c->drag,
-                                    .kernel = KERNEL_SPECIALISED};
+    struct run_settings settings = {.drag = c->drag, .kernel = KERNEL_SPECIALISED};
+    if (c->tol > 0)
+        settings.tol = c->tol;
+    else
+        settings.dt = c->dt;
     if (!method_applies(c->method, system, &settings.drag, error))
         return false;
     double *grid = malloc((size_t)STUDY_TIMES * (size_t)system->n * sizeof *grid);

@@ -3,6 +3,7 @@
  * table with a verdict for each run, and gives the runs to the session. */
 #ifndef COMMAND_ROWS
 #include <hooke/base/cancel.h>
+#include <hooke/base/numeric.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/report.h>
 #include "modules/comparison/comparison.h"
@@ -334,15 +335,18 @@ HANDLER(compare)
     /* methods that can adapt use the tolerance that is set, if the statement gives neither dt nor
      * tol */
     const bool adapts = !tol->count && !dt->count && settings->tol > 0;
+    const double first = dt->count ? 0 : session_first_step(session);
     if (dt->count == 0)
         dts[0] = settings->dt;
+    if (adapts)
+        tols[0] = settings->tol;
     if (tol->count && dt->count > 1)
         return error_at(error, dt->where,
                         "with tol= only one dt is allowed: the first step, and the step of methods "
                         "that are not adaptive");
     if (!choose_compared(session, args, choice, &choices, reply, error))
         return false;
-    const int max = choices * (tol->count ? tol->count : dt->count ? dt->count : 1);
+    const int max = choices * int_max(tol->count ? tol->count : dt->count, 1);
     struct comparison *rows = arena_array(args->arena, (size_t)max, sizeof *rows);
     struct compared_row *compared =
                             arena_array(args->arena, (size_t)(max + choices), sizeof *compared),
@@ -358,12 +362,10 @@ HANDLER(compare)
                                       .choice = choice,
                                       .choices = choices,
                                       .dt = dts,
-                                      .dts = dt->count ? dt->count : 1,
-                                      .tol = adapts       ? &settings->tol
-                                             : tol->count ? tols
-                                                          : NULL,
+                                      .dts = int_max(dt->count, 1),
+                                      .tol = tols,
                                       .tols = adapts ? 1 : tol->count,
-                                      .first = dt->count ? 0 : session_first_step(session),
+                                      .first = first,
                                       .duration = settings->duration,
                                       .compensated = session_run_settings(session).compensated,
                                       .record = settings->record,

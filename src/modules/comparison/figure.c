@@ -16,9 +16,9 @@ enum { LETTERS = 26, LEVEL_STEP = 3 /* [decade] between errors whose fastest met
 
 char precision_letter(int curve)
 {
-    return (char)(curve < LETTERS       ? 'a' + curve
-                  : curve < 2 * LETTERS ? 'A' + curve - LETTERS
-                                        : '?');
+    if (curve < LETTERS)
+        return (char)('a' + curve);
+    return curve < 2 * LETTERS ? (char)('A' + curve - LETTERS) : '?';
 }
 
 /* Returns the mark of the settings of a method that failed: its capital letter, or '!' if capitals
@@ -74,7 +74,9 @@ static double top_of(const struct precision *precision)
     for (int i = 0; i < precision->points; i++)
         if (precision_meaningful(&precision->point[i]))
             top = fmax(top, precision->point[i].errors.max);
-    return top > 0 ? pow(10, ceil(log10(top)) + (top > 0.1 ? 1 : 0)) : 1;
+    if (!(top > 0))
+        return 1;
+    return pow(10, ceil(log10(top)) + (top > 0.1 ? 1 : 0));
 }
 
 /* A diagram while it is made. */
@@ -262,9 +264,9 @@ static const char *note_of(const struct diagram *d, bool named)
     }
     for (int i = 0; i < count; i++)
         buffer_format(&text, "%s%s", i ? ", " : where, seen[i]);
+    const char *shaded = precision->reference.exact ? "rounding" : "below the reference";
     if (precision->reference.accuracy > d->error[0])
-        buffer_format(&text, "%sshaded: %s", text.len ? "; " : "",
-                      precision->reference.exact ? "rounding" : "below the reference");
+        buffer_format(&text, "%sshaded: %s", text.len ? "; " : "", shaded);
     if (named)
         buffer_format(&text, "%sthin: slopes of the orders", text.len ? "; " : "");
     const char *note = arena_text(d->arena, buffer_text(&text));
@@ -277,18 +279,19 @@ static const char *note_of(const struct diagram *d, bool named)
 static const char *words_of(const struct diagram *d)
 {
     const struct precision *precision = d->precision;
+    const char *unit = d->timed ? " s" : "";
     struct buffer text = {0};
     buffer_format(&text,
                   "error from %.2g to %.2g against %s from %.2g to %.2g%s, both logarithmic,",
                   d->error[0], d->top, d->timed ? "the time of a solve" : "evaluations", d->work[0],
-                  d->work[1], d->timed ? " s" : "");
+                  d->work[1], unit);
     for (int c = 0; c < precision->curves; c++)
         buffer_format(&text, "%s %s", c ? "," : " of", precision->curve[c].choice.method->row.name);
     buffer_char(&text, '.');
     for (int i = 0; i < d->labels; i++)
         buffer_format(&text, " For an error of %.0e %s: %s, %.3g%s.", d->label[i].y,
                       d->timed ? "fastest" : "fewest evaluations", d->label[i].text, d->label[i].x,
-                      d->timed ? " s" : "");
+                      unit);
     const char *words = arena_text(d->arena, buffer_text(&text));
     buffer_free(&text);
     return words;

@@ -20,10 +20,12 @@ static void put_order(const struct session *session, const struct order *order, 
 {
     const char *drag = contender_drag(&order->choice);
     struct text_table table = {.arena = arena, .gap = 3, .indent = 2};
+    buffer_put(output, text_of(order->choice.method->row.name));
+    if (drag)
+        buffer_format(output, " drag=%s", drag);
     buffer_format(output,
-                  "%s%s%s, %s of the scene in fixed steps with compensated sums; root mean square "
+                  ", %s of the scene in fixed steps with compensated sums; root mean square "
                   "error of the whole state at four times, accurate to %s",
-                  order->choice.method->row.name, drag ? " drag=" : "", drag ? drag : "",
                   SHOWN_QUANTITY(session->setup.settings.duration, QUANTITY_TIME, 4),
                   SHOWN_SHORT(order->floor, 2));
     buffer_put(output, order->reference_stored ? TEXT(", with an earlier reference solution\n")

@@ -2,6 +2,7 @@
 /* The command `stability`, which predicts and verifies growth per step and the longest stable step,
  * and the plots of stability regions. */
 #ifndef COMMAND_ROWS
+#include <hooke/base/numeric.h>
 #include <hooke/base/unit.h>
 #include <hooke/plot/drawing.h>
 #include <hooke/report.h>
@@ -19,11 +20,11 @@
  * dt_max. */
 static void put_checks(struct buffer *output, const struct stability *s)
 {
+    static const char *const where[] = {"  at dt: growth per step ",
+                                        "  just below dt_max: ", "  just above dt_max: "};
     for (int i = 0; i < s->checks; i++) {
         const struct stability_check *check = &s->check[i];
-        buffer_put(output, i == 0   ? TEXT("  at dt: growth per step ")
-                           : i == 1 ? TEXT("  just below dt_max: ")
-                                    : TEXT("  just above dt_max: "));
+        buffer_put(output, text_of(where[i]));
         buffer_growth(output, check->predicted);
         buffer_put(output, TEXT(" predicted, "));
         buffer_growth(output, check->measured);
@@ -66,6 +67,16 @@ static void put_eigenvalues(struct buffer *output, const struct stability *s)
                   re[0], re[1]);
 }
 
+/* Returns what became of a run of the scene itself, in words. */
+static const char *outcome_name(enum stop stop)
+{
+    if (stop == STOP_END)
+        return "arrives";
+    if (stop == STOP_FULL)
+        return "still bounded, stopped";
+    return stop == STOP_SINGULAR ? "its solution ends" : stop_name(stop);
+}
+
 /* Describes the scene that was studied: its frequency and damping or rate, whether it grows by
  * itself and, if it is not linear, how a run with this dt went. */
 static void put_scene(struct buffer *output, const struct session *session,
@@ -106,11 +117,7 @@ static void put_scene(struct buffer *output, const struct session *session,
     buffer_format(
         output,
         "  the scene itself with this dt: %s at t = %.4g s, at most %.3g times its natural size\n",
-        s->stop == STOP_END        ? "arrives"
-        : s->stop == STOP_FULL     ? "still bounded, stopped"
-        : s->stop == STOP_SINGULAR ? "its solution ends"
-                                   : stop_name(s->stop),
-        s->reached, s->largest);
+        outcome_name(s->stop), s->reached, s->largest);
 }
 
 /* ---- the region ---- */
@@ -128,11 +135,8 @@ static void put_region(struct buffer *output, const struct stability *s, int wid
         LABELS = 12 /* [cell] left of it */,
         BESIDE = 3 /* [row] the heading, the axis, and that it is outside */
     };
-    const int room = width - LABELS < REGION_COLUMNS ? width - LABELS : REGION_COLUMNS,
-              columns = room > LABELS ? room : LABELS;
-    const int rows = height - BESIDE > REGION_ROWS_MAX   ? REGION_ROWS_MAX
-                     : height - BESIDE > REGION_ROWS_MIN ? height - BESIDE
-                                                         : REGION_ROWS_MIN;
+    const int columns = int_max(int_min(width - LABELS, REGION_COLUMNS), LABELS),
+              rows = int_max(int_min(height - BESIDE, REGION_ROWS_MAX), REGION_ROWS_MIN);
     const double real = finite_or(method_stable_limit(s->choice.method, s->choice.drag, 1), 6),
                  high = finite_or(method_stable_limit(s->choice.method, s->choice.drag, 0), 0);
     /* a margin around the limits on the axes, with some of the unstable right half */
@@ -150,9 +154,9 @@ static void put_region(struct buffer *output, const struct stability *s, int wid
         const double im = top - row * dy;
         for (int column = 0; column < columns; column++) {
             const double re = left + (column + 0.5) * dx;
-            line[column] = stability_growth(&s->choice, re, im) <= 1 + 1e-7 ? '#'
-                           : fabs(re) <= dx / 2                             ? '|'
-                                                                            : '.';
+            line[column] = fabs(re) <= dx / 2 ? '|' : '.';
+            if (stability_growth(&s->choice, re, im) <= 1 + 1e-7)
+                line[column] = '#';
         }
         for (int i = 0; i < s->at_start; i++) {
             double rate[2], turn;
@@ -279,8 +283,8 @@ static struct method_choice *last_studied(const struct session *session, int *co
     const struct table *last = drawing_stored(session, "stability");
     const size_t rows = last ? last->rows : 0;
     struct method_choice *choice = arena_array(arena, rows + 1, sizeof *choice);
-    const struct table_column *drags = last ? table_column_named(last, "drag") : NULL,
-                              *steps = last ? table_column_named(last, "dt") : NULL;
+    const struct table_column *drags = last ? table_column_named(last, "drag") : NULL;
+    const struct table_column *steps = last ? table_column_named(last, "dt") : NULL;
     for (size_t i = 0; choice && i < rows; i++) {
         const struct method *known = method_find(last->column[0].text[i]);
         const struct row *drag =

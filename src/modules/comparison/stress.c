@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The command `stress`: runs methods on stiff and extreme cases by study_stress(), and lists how
  * many of their answers are right, reported as failures, or wrong without a message. */
+#include <hooke/base/numeric.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/base/unit.h>
 #include "modules/comparison/comparison.h"
@@ -126,8 +127,10 @@ static void put_totals(const struct stress *stress, const struct method *const *
     qsort(total, (size_t)methods, sizeof *total, compare_totals);
     put_right(total, methods, width, &right);
     const int room = rows - 1 - text_rows(buffer_text(&right), width);
-    const int shown = wrong <= room ? wrong : room - 1 > 1 ? room - 1 : 1;
-    const int lines = wrong > 0 ? shown : methods < room ? methods : 0;
+    const int shown = wrong <= room ? wrong : int_max(room - 1, 1);
+    int lines = methods < room ? methods : 0;
+    if (wrong > 0)
+        lines = shown;
     columns_text(&total_columns, total, (size_t)lines, true, &table);
     if (lines > 0)
         text_table_put(&table, output);

@@ -131,7 +131,9 @@ static void put_symbol(struct buffer *output, const char *name)
     bool letter = false;
     for (size_t i = 0; i < COUNT_OF(greek); i++)
         letter = letter || text_is(stem, greek[i]);
-    buffer_format(output, letter ? "\\%.*s" : len > 1 ? "\\mathrm{%.*s}" : "%.*s", (int)len, name);
+    if (letter)
+        buffer_char(output, '\\');
+    buffer_format(output, !letter && len > 1 ? "\\mathrm{%.*s}" : "%.*s", (int)len, name);
     name += len + (name[len] == '_');
     if (*name == '\0')
         return;

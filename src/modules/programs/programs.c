@@ -277,14 +277,18 @@ static bool refuse_pieces(struct scene_program *p)
     if (!pieces &&
         (!p->turns || (method_runge_kutta(p->method, &table) && p->dialect != DIALECT_OCTAVE)))
         return true;
-    error_set(p->error, ERROR_COMMAND,
-              system->dry ? "steps end where the body turns, sticks and breaks away, which cannot "
-                            "be written as a program"
-              : pieces
-                  ? "steps end where the forces jump or bend, which cannot be written as a program"
-                  : "steps of %s end where the velocity turns, because the force bends there, "
-                    "which cannot be written as a program",
-              p->method->row.name);
+    if (system->dry)
+        error_set(p->error, ERROR_COMMAND,
+                  "steps end where the body turns, sticks and breaks away, which cannot be written "
+                  "as a program");
+    else if (pieces)
+        error_set(p->error, ERROR_COMMAND,
+                  "steps end where the forces jump or bend, which cannot be written as a program");
+    else
+        error_set(p->error, ERROR_COMMAND,
+                  "steps of %s end where the velocity turns, because the force bends there, which "
+                  "cannot be written as a program",
+                  p->method->row.name);
     if (p->plan.adaptive && pieces && !system->dry)
         return error_hint(p->error,
                           "fixed steps ('set turning off', then 'method %s dt=10ms') step across "

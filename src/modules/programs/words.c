@@ -42,10 +42,10 @@ static void put_comment(struct scene_program *p, const char *unit, const char *b
     const bool c = p->dialect == DIALECT_C;
     if (!unit[0] && !brief[0])
         return;
-    struct text comment = c                              ? TEXT(" /* ")
-                          : p->dialect == DIALECT_PYTHON ? TEXT("  # ")
-                                                         : TEXT("  % ");
-    buffer_put(p->output, comment);
+    if (c)
+        buffer_put(p->output, TEXT(" /* "));
+    else
+        buffer_put(p->output, p->dialect == DIALECT_PYTHON ? TEXT("  # ") : TEXT("  % "));
     if (unit[0])
         buffer_format(p->output, "[%s]%s", unit, brief[0] ? " " : "");
     buffer_format(p->output, "%s%s", brief, c ? " */" : "");
@@ -99,8 +99,9 @@ static void put_format(struct scene_program *p)
 static void put_label(struct scene_program *p)
 {
     const char *unit = variable_unit(p, 0);
-    buffer_format(p->output, "%s%s%s%s", p->written.name[1], unit[0] ? " [" : "", unit,
-                  unit[0] ? "]" : "");
+    buffer_put(p->output, text_of(p->written.name[1]));
+    if (unit[0])
+        buffer_format(p->output, " [%s]", unit);
 }
 
 /* Appends the initial state. */

@@ -203,8 +203,9 @@ static bool read_period(const struct points *p, const double *x_crossing, size_t
 static bool is_whole(const struct points *p, const struct turn *turn, double least)
 {
     const size_t first = turn[0].index, last = turn[1].index;
-    return !has_hole(p, p->x[first ? first - 1 : 0], p->x[last + 1 < p->n ? last + 1 : last],
-                     least);
+    const double x_begin = p->x[first ? first - 1 : 0];
+    const double x_end = p->x[last + 1 < p->n ? last + 1 : last];
+    return !has_hole(p, x_begin, x_end, least);
 }
 
 /* Finds the first and the last amplitude and level, and the growth of the amplitude if its

@@ -210,7 +210,9 @@ static int neighbour(const struct ode_net *net, int i)
         return i;
     if (net->edge == 'p')
         return (i + net->count) % net->count;
-    return net->edge == 'e' ? (i < 0 ? -i : 2 * (net->count - 1) - i) : -1;
+    if (net->edge != 'e')
+        return -1;
+    return i < 0 ? -i : 2 * (net->count - 1) - i;
 }
 
 /* Makes a node for the quantity i places after `first`. Returns NULL if there is none, or with an

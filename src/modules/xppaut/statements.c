@@ -352,11 +352,9 @@ static bool ode_line_take(struct ode_statements *s, const struct ode_line *line)
     while (end < text.len && !strchr(" =/'(", text.data[end]))
         end++;
     const struct text rest = statement_tail(text, end), name = {text.data, end};
-    const char mark = rest.len > 0 && text.data[end] == ' ' && rest.data[0] != '='
-                          ? ' '
-                          : (char)(end == text.len         ? '\0'
-                                   : text.data[end] == ' ' ? '='
-                                                           : text.data[end]);
+    char mark = end < text.len ? text.data[end] : '\0';
+    if (mark == ' ' && (rest.len == 0 || rest.data[0] == '='))
+        mark = '=';
     if (text_is(name, "0") && mark == '=')
         return ode_error(s->ode.error, line->number, "scenes have no algebraic equations (0=)");
     switch (mark) {

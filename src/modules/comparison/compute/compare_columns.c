@@ -14,8 +14,8 @@ void compared_init(struct compared_row *row, const struct comparison *comparison
     const struct run *run = comparison->run;
     *row = (struct compared_row){.comparison = *comparison,
                                  .method = run->method,
-                                 .dt = run->plan.adaptive ? NAN : run->settings.dt,
-                                 .tol = run->plan.adaptive ? run->settings.tol : NAN,
+                                 .dt = NAN,
+                                 .tol = NAN,
                                  .steps = run->steps,
                                  .cost = run->cost,
                                  .stop = run->stop,
@@ -23,6 +23,10 @@ void compared_init(struct compared_row *row, const struct comparison *comparison
                                  .period = {NAN, NAN},
                                  .data_rms = NAN,
                                  .balanced = run->plan.ledger};
+    if (run->plan.adaptive)
+        row->tol = run->settings.tol;
+    else
+        row->dt = run->settings.dt;
     row->comparison.run = NULL;
 }
 
@@ -155,7 +159,11 @@ static void step_time_cell(struct text_table *table, const void *row)
 {
     const bool marked = compared(row)->mixed && compared(row)->comparison.path == KERNEL_GENERAL;
     const double ns = step_ns(row);
-    cell_format(table, isnan(ns) ? "-" : ns < 1000 ? "%.3g%s" : "%.0f%s", ns, marked ? " (!)" : "");
+    const char *mark = marked ? " (!)" : "";
+    if (isnan(ns))
+        cell_text(table, "-");
+    else
+        cell_format(table, ns < 1000 ? "%.3g%s" : "%.0f%s", ns, mark);
 }
 
 /* ---- the columns ---- */

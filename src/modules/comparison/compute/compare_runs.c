@@ -274,13 +274,14 @@ static bool compare_one(const struct compare_request *request, const struct meth
     const bool adapts = choice->method->flags & METHOD_ADAPTIVE && tol > 0;
     struct run_settings settings = {
         .dt = adapts && request->first > 0 ? request->first : dt,
-        .tol = adapts ? tol : 0,
         .drag = choice->drag,
         /* methods are compared, not powers of their matrices: evaluations are counted */
         .kernel = KERNEL_SPECIALISED,
         .compensated = request->compensated,
         .record = request->record,
     };
+    if (adapts)
+        settings.tol = tol;
     row->run = run_create(request->scene, choice->method, &settings, request->duration, error);
     if (!row->run) {
         return false;
@@ -377,8 +378,9 @@ static bool compare_all(const struct compare_request *request, const struct refe
                 break; /* tolerances mean nothing to a fixed-step method: one row */
             }
             struct comparison *row = &rows[*count];
-            if (!compare_one(request, &request->choice[c], request->dt[by_tol ? 0 : s],
-                             adaptive ? request->tol[s] : 0, reference, row, error)) {
+            const double dt = request->dt[by_tol ? 0 : s];
+            const double tol = adaptive ? request->tol[s] : 0;
+            if (!compare_one(request, &request->choice[c], dt, tol, reference, row, error)) {
                 return false;
             }
             if (cancelled(request->cancel)) {

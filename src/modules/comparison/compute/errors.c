@@ -41,7 +41,7 @@ void grid_errors(const struct system *system, const struct reference *reference,
     const bool turns = system->order == 2 && n == 2 && o->whole && o->stiffness > 0,
                mechanics = system->order == 2;
     const double start = mechanics ? energy(system, system->start) : NAN;
-    double max = 0, missing = 0, scale = 0, phase = 0, amplitude = NAN;
+    double max = 0, missing = 0, scale = 0, phase = turns ? 0 : NAN, amplitude = NAN;
     for (int k = 0; k <= last; k++) {
         const double *y = grid + k * n, *exact = reference->y + k * n;
         if (isnan(y[0]))
@@ -66,6 +66,6 @@ void grid_errors(const struct system *system, const struct reference *reference,
         .max = max,
         .end = grid_distance(reference, grid + last * n, reference->y + last * n),
         .energy = mechanics && scale > 0 ? missing / scale : NAN,
-        .phase = turns ? phase : NAN,
+        .phase = phase,
         .amplitude = amplitude};
 }

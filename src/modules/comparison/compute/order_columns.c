@@ -67,11 +67,14 @@ static const char *status_of(const void *row)
 static void state_cell(struct text_table *table, const void *row)
 {
     const struct order_point *point = row;
-    cell_text(table, point->refused             ? "refused"
-                     : point->stop == STOP_FULL ? "out of budget"
-                     : isnan(point->error)      ? stop_name(point->stop)
-                     : point->fitted            ? "*"
-                                                : "");
+    if (point->refused)
+        cell_text(table, "refused");
+    else if (point->stop == STOP_FULL)
+        cell_text(table, "out of budget");
+    else if (isnan(point->error))
+        cell_text(table, stop_name(point->stop));
+    else
+        cell_text(table, point->fitted ? "*" : "");
 }
 
 #define IN(member) .offset = offsetof(struct order_point, member)

@@ -68,9 +68,9 @@ static const char *failure_of(const void *row)
 /* Returns the word of the column "status": the failure, spelled without a blank, or "ok". */
 static const char *status_of(const void *row)
 {
-    return point_of(row)->stop == STOP_FULL && !point_of(row)->refused ? "too-long"
-           : *failure_of(row)                                          ? failure_of(row)
-                                                                       : stop_name(STOP_END);
+    if (point_of(row)->stop == STOP_FULL && !point_of(row)->refused)
+        return "too-long";
+    return *failure_of(row) ? failure_of(row) : stop_name(STOP_END);
 }
 
 /* Returns the number of evaluations predicted for the point's error, or NAN for adaptive or failed
@@ -129,7 +129,16 @@ static void predicted_cell(struct text_table *table, double evals)
 
 static void step_time_cell(struct text_table *table, double ns)
 {
-    cell_format(table, isnan(ns) ? "-" : ns < 1000 ? "%.3g" : "%.0f", ns);
+    if (isnan(ns))
+        cell_text(table, "-");
+    else
+        cell_format(table, ns < 1000 ? "%.3g" : "%.0f", ns);
+}
+
+/* Returns the mark if it applies, otherwise no text. */
+static const char *mark_if(bool applies, const char *mark)
+{
+    return applies ? mark : "";
 }
 
 /* Writes the failure and the marks that put_marks() in precision.c explains below the tables. */
@@ -137,10 +146,10 @@ static void marks_cell(struct text_table *table, const void *row)
 {
     const struct precision_point *point = point_of(row);
     const bool is_noisy = point->time.spread > TIMING_SPREAD || point->time.others > TIMING_OTHERS;
-    cell_format(table, "%s%s%s%s%s%s%s", failure_of(row), point->asymptotic ? "*" : "",
-                point->is_below_reference ? "<" : "", is_noisy ? "~" : "",
-                point->time.few ? "!" : "", point->timed_steps > 0 ? "+" : "",
-                point->probed ? " probe" : "");
+    cell_format(table, "%s%s%s%s%s%s%s", failure_of(row), mark_if(point->asymptotic, "*"),
+                mark_if(point->is_below_reference, "<"), mark_if(is_noisy, "~"),
+                mark_if(point->time.few, "!"), mark_if(point->timed_steps > 0, "+"),
+                mark_if(point->probed, " probe"));
 }
 
 /* ---- the columns ---- */

@@ -91,7 +91,9 @@ void precision_fit(struct precision *precision, int c)
     double x[PRECISION_POINTS], y[PRECISION_POINTS], start, cov, residual;
     int first, n = asymptotic(precision, curve, &first);
     n = n < PRECISION_POINTS ? n : PRECISION_POINTS;
-    curve->expected = method->order == 0 ? NAN : curve->adaptive ? 1 : method->order;
+    curve->expected = curve->adaptive ? 1 : method->order;
+    if (method->order == 0)
+        curve->expected = NAN;
     curve->slope = curve->r2 = NAN;
     curve->fitted = n >= FIT_POINTS_MIN ? n : 0;
     curve->differs = false;
@@ -159,9 +161,9 @@ bool precision_cost_at(const struct precision *precision, int c, double error,
 /* Orders costs: timed ones by time before others, which are ordered by evaluations. */
 static bool cheaper(const struct precision_cost *a, const struct precision_cost *b)
 {
-    return !a->timed && !b->timed ? a->evals < b->evals
-           : a->timed && b->timed ? a->minimum < b->minimum
-                                  : a->timed;
+    if (!a->timed && !b->timed)
+        return a->evals < b->evals;
+    return a->timed && b->timed ? a->minimum < b->minimum : a->timed;
 }
 
 /* Moves costs that cannot be ranked behind the others: those without reliable times, and those with

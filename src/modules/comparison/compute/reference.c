@@ -248,6 +248,25 @@ static void search_kinds(struct reference_search *search, bool explicit_ones, bo
     }
 }
 
+/* Sets the error of a search that found no reference. Returns false. */
+static bool reference_fail(const struct reference_search *search, struct error *error)
+{
+    if (search->failed)
+        return error_memory(error);
+    if (cancelled(search->cancel))
+        return error_set(error, ERROR_CANCELLED,
+                         "stopped while the reference solution was computed");
+    if (search->left <= 0)
+        return error_set(error, ERROR_NUMERICAL,
+                         "errors cannot be measured, because no two methods of different kinds "
+                         "reach the end of this scene within %.0e evaluations; use a shorter "
+                         "duration",
+                         COST_ALL / search->system->n);
+    return error_set(error, ERROR_NUMERICAL,
+                     "errors cannot be measured, because no two methods of different kinds reach "
+                     "the end of this scene");
+}
+
 bool study_reference(const struct system *system, double span, const struct cancel *cancel,
                      struct reference *reference, struct error *error)
 {
@@ -303,17 +322,7 @@ bool study_reference_again(const struct system *system, double span, double step
     free(search.node);
     if (cancelled(cancel) || search.failed || !reference->method[1]) {
         reference_free(reference);
-        return search.failed       ? error_memory(error)
-               : cancelled(cancel) ? error_set(error, ERROR_CANCELLED,
-                                               "stopped while the reference solution was computed")
-               : search.left <= 0  ? error_set(error, ERROR_NUMERICAL,
-                                               "errors cannot be measured, because no two methods "
-                                                "of different kinds reach the end of this scene "
-                                                "within %.0e evaluations; use a shorter duration",
-                                               COST_ALL / system->n)
-                                   : error_set(error, ERROR_NUMERICAL,
-                                               "errors cannot be measured, because no two methods "
-                                                "of different kinds reach the end of this scene");
+        return reference_fail(&search, error);
     }
     return true;
 }

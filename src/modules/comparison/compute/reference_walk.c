@@ -194,13 +194,18 @@ static enum stop walk_grid(struct reference_search *search, struct solver *s, in
     for (int k = 1; k < STUDY_TIMES; k++) {
         const double begin = s->system->t0 + s->span * (k - 1) / (STUDY_TIMES - 1);
         const double end = s->system->t0 + s->span * k / (STUDY_TIMES - 1);
-        const struct interval_of_grid interval = {
-            anew ? 0 : begin, anew ? s->span / (STUDY_TIMES - 1) : end, anew ? begin : 0};
+        struct interval_of_grid interval = {begin, end, 0};
+        if (anew)
+            interval = (struct interval_of_grid){0, s->span / (STUDY_TIMES - 1), begin};
         s->step.t = interval.t_begin;
         s->step.warm = s->step.again = false;
-        const enum stop stop = steps > 0 ? cross_fixed(search, s, &interval, steps)
-                               : looking ? cross_bursts(search, s, &controller, &interval)
-                                         : cross_adaptive(search, s, &controller, &interval);
+        enum stop stop;
+        if (steps > 0)
+            stop = cross_fixed(search, s, &interval, steps);
+        else if (looking)
+            stop = cross_bursts(search, s, &controller, &interval);
+        else
+            stop = cross_adaptive(search, s, &controller, &interval);
         if (stop != STOP_END)
             return stop;
         if (cancelled(search->cancel))

@@ -435,9 +435,10 @@ static enum stability_verdict stability_judge(const struct stability *s, const s
                  margin = rate > 0                      ? exp((1 + RATE_TOLERANCE) * rate)
                           : fabs(mode->zeta - 1) < 1e-3 ? 1 + ON_AXIS
                                                         : 1 + GROWTH_ROUNDING;
-    return growth <= margin                                    ? STABILITY_STABLE
-           : growth < (rate > 0 ? exp(rate) : 1) + GROWTH_WEAK ? STABILITY_MARGINAL
-                                                               : STABILITY_UNSTABLE;
+    const double exact = rate > 0 ? exp(rate) : 1;
+    if (growth <= margin)
+        return STABILITY_STABLE;
+    return growth < exact + GROWTH_WEAK ? STABILITY_MARGINAL : STABILITY_UNSTABLE;
 }
 
 /* Returns the worst verdict on all modes. */

@@ -37,14 +37,14 @@ static double zeta_of(const void *row)
 void buffer_growth(struct buffer *output, double growth)
 {
     const double deviation = fabs(growth - 1);
-    if (deviation < 1e-4 && deviation > GROWTH_ROUNDING)
+    if (isnan(growth))
+        buffer_char(output, '-');
+    else if (isinf(growth))
+        buffer_put(output, TEXT("overflow"));
+    else if (deviation < 1e-4 && deviation > GROWTH_ROUNDING)
         buffer_format(output, "1%+.2e", growth - 1);
     else
-        buffer_format(output,
-                      isfinite(growth) ? "%.7g"
-                      : isnan(growth)  ? "-"
-                                       : "overflow",
-                      deviation > GROWTH_ROUNDING ? growth : 1);
+        buffer_format(output, "%.7g", deviation > GROWTH_ROUNDING ? growth : 1);
 }
 
 /* Writes a growth per step. */
@@ -70,7 +70,10 @@ static void limit_cell(struct text_table *table, double dt_max)
 static void agrees_cell(struct text_table *table, const void *row)
 {
     const struct stability *s = row;
-    cell_text(table, !s->agrees ? "DOES NOT AGREE" : s->checks || !s->linear ? "agrees" : "");
+    if (!s->agrees)
+        cell_text(table, "DOES NOT AGREE");
+    else
+        cell_text(table, s->checks || !s->linear ? "agrees" : "");
 }
 
 /* ---- the columns ---- */

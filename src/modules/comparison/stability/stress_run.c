@@ -381,9 +381,8 @@ static bool run_case(struct stress_state *bench, int method, struct stress_row *
                      ? stress_limit(&bench->system, bench->reference.y, STUDY_TIMES,
                                     STUDY_TIMES / 32, row->method)
                      : stress_limit(&bench->system, bench->system.start, 1, 1, row->method);
-    const double dt = bench->what->change != STRESS_STEP ? bench->dt
-                      : isfinite(*limit)                 ? bench->what->value * *limit
-                                         : bench->what->value * bench->span / CASE_STEPS;
+    const double unit = isfinite(*limit) ? *limit : bench->span / CASE_STEPS;
+    const double dt = bench->what->change == STRESS_STEP ? bench->what->value * unit : bench->dt;
     struct run_settings settings = {.dt = dt, .tol = adaptive ? bench->tol : 0};
     struct error error = {0};
     struct plan plan;

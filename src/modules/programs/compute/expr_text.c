@@ -123,14 +123,16 @@ static void put_piece(struct printer *p, struct buffer *output, const struct pie
                       int binds)
 {
     const bool enclosed = piece->binds < binds || (piece->negative && binds > SUM);
-    const bool tex = p->dialect == DIALECT_TEX;
-    buffer_put(output, !enclosed ? TEXT("") : tex ? TEXT("\\left(") : TEXT("("));
     const bool signs = piece->negative && piece->binds == SUM;
+    const bool tex = p->dialect == DIALECT_TEX;
+    const struct text opening = tex ? TEXT("\\left(") : TEXT("(");
+    const struct text closing = tex ? TEXT("\\right)") : TEXT(")");
+    buffer_put(output, enclosed ? opening : TEXT(""));
     buffer_put(output, piece->negative ? TEXT("-") : TEXT(""));
-    buffer_put(output, !signs ? TEXT("") : tex ? TEXT("\\left(") : TEXT("("));
+    buffer_put(output, signs ? opening : TEXT(""));
     buffer_put(output, piece->text);
-    buffer_put(output, !signs ? TEXT("") : tex ? TEXT("\\right)") : TEXT(")"));
-    buffer_put(output, !enclosed ? TEXT("") : tex ? TEXT("\\right)") : TEXT(")"));
+    buffer_put(output, signs ? closing : TEXT(""));
+    buffer_put(output, enclosed ? closing : TEXT(""));
 }
 
 /* Returns the operand 0 that a product with 0 leaves. */

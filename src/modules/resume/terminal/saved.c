@@ -59,7 +59,9 @@ static bool is_saved_name(const char *name)
 static int by_time(const void *a, const void *b)
 {
     const struct autosaved *x = a, *y = b;
-    return x->time != y->time ? (x->time < y->time ? 1 : -1) : strcmp(y->name, x->name);
+    if (x->time == y->time)
+        return strcmp(y->name, x->name);
+    return x->time < y->time ? 1 : -1;
 }
 
 /* Caller frees item. */
