@@ -75,16 +75,18 @@ static void take_error(void *context, const struct error *error, const struct so
     buffer_clear(&hooke->file);
     if (where && where->name && where->name != line_source)
         buffer_put(&hooke->file, text_of(where->name));
-    const char *const file = hooke->file.len > 0 ? buffer_view(&hooke->file) : NULL;
     hooke->error = (struct hooke_error){
         .status = (int)error->code,
-        .line = where ? where->line : 0,
-        .column = where ? (int)column : 0,
-        .file = file,
         .code = error_name(error->code),
         .message = hooke->last_error.text,
         .hint = hooke->last_error.hint,
     };
+    if (where) {
+        hooke->error.line = where->line;
+        hooke->error.column = (int)column;
+    }
+    if (hooke->file.len > 0)
+        hooke->error.file = buffer_view(&hooke->file);
 }
 
 /* Clears output, messages, error, status and cancellation before the next call. */

@@ -81,9 +81,9 @@ bool next_statement(struct text *line, struct text *statement, struct error *err
         }
     }
     *statement = (struct text){all.data, i};
-    const bool comment = i < all.len && all.data[i] == '#';
-    const size_t cut = comment ? all.len : i < all.len ? i + 1 : i;
-    *line = text_after(all, cut);
+    if (i < all.len && all.data[i] == '#')
+        i = all.len;
+    *line = text_after(all, i < all.len ? i + 1 : i);
     text_skip_blanks(statement);
     while (statement->len > 0 && is_blank(statement->data[statement->len - 1]))
         statement->len--;

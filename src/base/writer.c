@@ -66,9 +66,11 @@ bool writer_open_folder(struct writer *writer, bool confine, struct error *error
     writer->base = slash ? slash + 1 : writer->path;
     if (writer->base[0] == '\0')
         return writer_refuse(writer, error, slash ? "it is a directory" : "the name is empty");
-    char *name =
-        slash ? strndup(writer->path, slash == writer->path ? 1 : (size_t)(slash - writer->path))
-              : strdup(".");
+    char *name;
+    if (slash)
+        name = strndup(writer->path, slash == writer->path ? 1 : (size_t)(slash - writer->path));
+    else
+        name = strdup(".");
     if (!name)
         return error_memory(error);
     writer->folder = open(name, O_RDONLY | O_DIRECTORY | O_CLOEXEC);

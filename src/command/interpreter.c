@@ -200,11 +200,14 @@ static bool log_statement(struct session *session, const struct arguments *argum
 {
     struct buffer full = {0};
     statement_in_full(session, arguments, typed, &full);
-    const bool unrecorded =
-        arguments->command->flags & COMMAND_UNRECORDED || is_typed_only(arguments);
-    flags |= (unrecorded ? ENTRY_UNRECORDED : 0) |
-             (arguments->command->flags & COMMAND_NESTS ? ENTRY_NESTS : 0) |
-             (writes_file(arguments) ? ENTRY_WRITES : 0) | (full.failed ? ENTRY_LOST : 0);
+    if (arguments->command->flags & COMMAND_UNRECORDED || is_typed_only(arguments))
+        flags |= ENTRY_UNRECORDED;
+    if (arguments->command->flags & COMMAND_NESTS)
+        flags |= ENTRY_NESTS;
+    if (writes_file(arguments))
+        flags |= ENTRY_WRITES;
+    if (full.failed)
+        flags |= ENTRY_LOST;
     history_end(session, entry, buffer_text(&full), output, flags);
     buffer_free(&full);
     return (history_entry(session, entry)->flags & (ENTRY_WITHIN | ENTRY_SOURCED)) ||

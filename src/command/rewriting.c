@@ -49,9 +49,10 @@ const char *start_of(const struct session *session, struct text name)
         name = text_of(model->variable[0].name);
     if (name.len > LIMIT_NAME || model_variable(model, name) < 0)
         return NULL;
-    for (int i = 0; i < 2; i++) {
+    static const char *const endings[] = {"0", "_0"};
+    for (size_t i = 0; i < COUNT_OF(endings); i++) {
         snprintf(parameter, sizeof parameter, "%s%.*s%s", primed ? "v" : "", (int)name.len,
-                 name.data, i == 0 ? "0" : "_0");
+                 name.data, endings[i]);
         const int index = scene_param(scene, parameter);
         if (index >= 0)
             return param_at(scene, index)->row.name;
@@ -235,9 +236,12 @@ void put_named(const struct session *session, bool law, struct text name, struct
             buffer_measured(&value,
                             (struct measured){setup->let[i].value, setup->let[i].uncertainty},
                             setup->let[i].quantity, setup->settings.digits);
-    buffer_format(text, "'%s %.*s = %s' defines it %s", law ? "param" : "let", (int)name.len,
-                  name.data, value.len ? buffer_view(&value) : "VALUE",
-                  law ? "for equations" : "here");
+    const char *const shown = value.len ? buffer_view(&value) : "VALUE";
+    if (law)
+        buffer_format(text, "'param %.*s = %s' defines it for equations", (int)name.len, name.data,
+                      shown);
+    else
+        buffer_format(text, "'let %.*s = %s' defines it here", (int)name.len, name.data, shown);
     buffer_free(&value);
 }
 

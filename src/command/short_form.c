@@ -90,9 +90,12 @@ void short_form_begin(struct short_form *form, const struct session *session,
     int width, height;
     const int rows = answer_rows(session);
     session_size(session, &width, &height);
-    *form = (struct short_form){.outer = reply->sink,
-                                .width = width > ANSWER_WIDTH_MIN ? width : ANSWER_WIDTH_MIN,
-                                .rows_max = rows > ANSWER_ROWS_MIN ? rows : ANSWER_ROWS_MIN};
+    *form = (struct short_form){
+        .outer = reply->sink, .width = ANSWER_WIDTH_MIN, .rows_max = ANSWER_ROWS_MIN};
+    if (width > form->width)
+        form->width = width;
+    if (rows > form->rows_max)
+        form->rows_max = rows;
     form->active =
         has_short_form(arguments->command) && reply_wants_text(reply) && !asks_full(arguments);
     if (form->active)

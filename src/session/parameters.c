@@ -136,8 +136,9 @@ const struct observable *model_observable(const struct model *model, struct text
 /* Returns true unless the observable needs what a model of this order never has. */
 bool model_offers(const struct model *model, const struct observable *observable)
 {
-    const unsigned never =
-        model->order == 2 ? 0u : NEED_MECHANICS | (model->typed ? NEED_EXACT : 0u);
+    unsigned never = 0;
+    if (model->order != 2)
+        never = NEED_MECHANICS | (model->typed ? NEED_EXACT : 0u);
     return !(observable->needs & never) && model_observable(model, text_of(observable->row.name));
 }
 

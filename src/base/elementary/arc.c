@@ -76,11 +76,12 @@ static double point_angle(double y, double x)
 {
     const double x_size = fabs(x);
     const bool steep = y > x_size;
-    const struct wide none = {0, 0},
-                      base = steep   ? half_pi
-                             : x < 0 ? pi
-                                     : none,
-                      a = steep ? first_angle(x_size, y) : first_angle(y, x_size);
+    const struct wide a = steep ? first_angle(x_size, y) : first_angle(y, x_size);
+    struct wide base = {0, 0};
+    if (steep)
+        base = half_pi;
+    else if (x < 0)
+        base = pi;
     const double sign = steep == (x < 0) ? 1 : -1;
     const struct wide sum = ordered_sum(base.high, sign * a.high);
     return sum.high + (sum.low + (base.low + sign * a.low));
@@ -97,8 +98,8 @@ double fixed_atan(double x)
         return copysign(half_pi.high, x);
     const bool is_inverted = size > 1;
     const double ratio = is_inverted ? 1 / size : size,
-                 j = (ratio * ATAN_CENTRES + ROUND_TO_INTEGER) - ROUND_TO_INTEGER,
-                 c = ratio > ATAN_POLYNOMIAL_MAX ? j / ATAN_CENTRES : 0, upper = upper_part(size),
+                 j = (ratio * ATAN_CENTRES + ROUND_TO_INTEGER) - ROUND_TO_INTEGER;
+    const double c = ratio > ATAN_POLYNOMIAL_MAX ? j / ATAN_CENTRES : 0, upper = upper_part(size),
                  lower = size - upper;
     const double t =
         is_inverted ? ((1 - c * upper) - c * lower) / (size + c) : (size - c) / (1 + c * size);
@@ -119,7 +120,9 @@ double fixed_atan2(double y, double x)
         return copysign(signbit(x) ? pi.high : 0, y);
     if (x_size == 0 || y_size == HUGE_VAL || y_size > x_size * 0x1p60) {
         const double eighth = x_size == HUGE_VAL ? half_pi.high / 2 : 0;
-        return copysign(eighth == 0 ? half_pi.high : x > 0 ? eighth : 3 * eighth, y);
+        if (eighth == 0)
+            return copysign(half_pi.high, y);
+        return copysign(x > 0 ? eighth : 3 * eighth, y);
     }
     if (y_size < x_size * 0x1p-60)
         return copysign(x < 0 ? pi.high : y_size / x_size, y);
@@ -192,7 +195,10 @@ static double hypotenuse(double a, double b)
 /* Scales the sides if their squares would overflow or underflow. */
 double fixed_hypot(double x, double y)
 {
-    const double p = fabs(x), q = fabs(y), a = p < q ? q : p, b = p < q ? p : q;
+    const double p = fabs(x), q = fabs(y);
+    const bool swaps = p < q;
+    const double a = swaps ? q : p;
+    const double b = swaps ? p : q;
     if (a < 0x1p500 && b > 0x1p-400)
         return hypotenuse(a, b);
     if (p == HUGE_VAL || q == HUGE_VAL)

@@ -25,8 +25,8 @@ static uint64_t bits_from(int position)
 {
     const int words = (int)COUNT_OF(two_over_pi), word = (position + 1024) / 64 - 16,
               shift = (position + 1024) % 64;
-    const uint64_t first = word >= 0 && word < words ? two_over_pi[word] : 0,
-                   second = word >= -1 && word < words - 1 ? two_over_pi[word + 1] : 0;
+    const uint64_t first = word >= 0 && word < words ? two_over_pi[word] : 0;
+    const uint64_t second = word >= -1 && word < words - 1 ? two_over_pi[word + 1] : 0;
     return shift > 0 ? first << shift | second >> (64 - shift) : first;
 }
 
@@ -166,9 +166,11 @@ double fixed_tan(double x)
     }
     const uint64_t odd = quarters & 1;
     const double sign = r < 0 ? -1 : 1, arc = fabs(r), rest = sign * low;
-    const double value = arc > TANGENT_SERIES ? tangent_rows(odd, arc, rest)
-                         : odd                ? -cotangent_small(arc, rest)
-                                              : tangent_small(arc, rest);
+    double value;
+    if (arc > TANGENT_SERIES)
+        value = tangent_rows(odd, arc, rest);
+    else
+        value = odd ? -cotangent_small(arc, rest) : tangent_small(arc, rest);
     return (x < 0) != (r < 0) ? -value : value;
 }
 

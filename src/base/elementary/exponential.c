@@ -15,8 +15,10 @@
 static double exp_shifted(double x, int shift)
 {
     double r;
-    if (!(fabs(x) <= 750))
-        return x > 0 ? HUGE_VAL : x < 0 ? 0 : x + x;
+    if (x > 750)
+        return HUGE_VAL;
+    if (!(x >= -750))
+        return x < 0 ? 0 : x + x;
     const uint64_t n = exp_reduced(x, &r);
     return exp_scaled(n, r, shift);
 }

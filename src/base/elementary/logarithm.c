@@ -7,7 +7,9 @@
 /* Returns the logarithm of numbers without a finite one: -infinity for 0, NaN for negative ones. */
 static double no_logarithm(double x)
 {
-    return x == 0 ? -HUGE_VAL : x < 0 ? (double)NAN : x;
+    if (x == 0)
+        return -HUGE_VAL;
+    return x < 0 ? (double)NAN : x;
 }
 
 #ifdef FUSED_CLONE
@@ -66,9 +68,9 @@ static double special_power(double x, double y)
     if (x != x || y != y)
         return x + y;
     const bool grows = (fabs(x) > 1) == (y > 0);
-    if (fabs(y) == HUGE_VAL)
-        return x == -1 ? 1 : grows ? HUGE_VAL : 0;
     const double size = grows ? HUGE_VAL : 0;
+    if (fabs(y) == HUGE_VAL)
+        return x == -1 ? 1 : size;
     return signbit(x) && is_odd(y) ? -size : size;
 }
 

@@ -26,8 +26,8 @@ INLINE struct log_parts parts_of(double x, bool fused)
     const uint64_t m = bits - ((uint64_t)power << EXPONENT_SHIFT);
     const struct reciprocal *row =
         &elementary_reciprocals[offset_bits >> ROW_SHIFT & (TABLE_ROWS - 1)];
-    const double k = (double)(tiny ? power - 54 : power), value = from_bits(m),
-                 upper = fused ? 0 : from_bits(m & ~UINT64_C(0x1FFFFFFF)), lower = value - upper;
+    const double k = (double)(tiny ? power - 54 : power), value = from_bits(m);
+    const double upper = fused ? 0 : from_bits(m & ~UINT64_C(0x1FFFFFFF)), lower = value - upper;
     return (struct log_parts){k * LN_2_HIGH + row->high,
                               fused ? fma(value, row->c, -1)
                                     : (upper * row->c - 1) + lower * row->c,

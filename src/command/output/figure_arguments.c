@@ -256,6 +256,24 @@ static bool refuse_sides(const struct arguments *args, const struct figure_reque
     return error_hint(error, "ranges of axes are x=FROM:TO and y=FROM:TO");
 }
 
+/* Chooses what the figure shows: a result (into export), a study, which is executed, sides of a
+ * portrait, or runs and recordings. Returns false with the error set. */
+static bool choose_source(struct session *session, const struct arguments *args,
+                          struct figure_request *request, struct export *export,
+                          struct reply *reply, struct error *error)
+{
+    const struct argument_value *table_argument = argument_value(args, "of");
+    const struct plot_row *row = plot_row(request->kind);
+    if (table_argument->count)
+        return export_result(session, table_argument->item->row, export, error);
+    if (row->study)
+        return make_study(session, request, reply, error);
+    if (row->of_study)
+        return true;
+    return row->of_scene ? choose_sides(session, args, request, error)
+                         : choose_runs(session, args, request, error);
+}
+
 /* Chooses the source of the figure (a result, a study, the scene, or runs and recordings), then
  * makes it. */
 bool make_figure(struct session *session, const struct arguments *args,
@@ -276,11 +294,7 @@ bool make_figure(struct session *session, const struct arguments *args,
     if (!refuse_sides(args, request, error) ||
         (!plot_row(request->kind)->of_scene && !choose_ranges(args, request, error)))
         return false;
-    if (table_argument->count ? !export_result(session, table_argument->item->row, &export, error)
-        : plot_row(request->kind)->study    ? !make_study(session, request, reply, error)
-        : plot_row(request->kind)->of_study ? false
-        : plot_row(request->kind)->of_scene ? !choose_sides(session, args, request, error)
-                                            : !choose_runs(session, args, request, error))
+    if (!choose_source(session, args, request, &export, reply, error))
         return false;
     if (table_argument->count) {
         struct table *table = arena_alloc(args->arena, sizeof *table);

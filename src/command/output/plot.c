@@ -51,8 +51,10 @@ static bool choose_file(struct text path, enum plot_kind kind, struct figure_fil
     if (has_end && !module_is_in(what, path, error))
         return false;
     if (!row) {
-        error_at(error, path, "figures can be %s%stext in %s.txt", writer ? writer->where : "",
-                 writer ? ", or " : "", writer ? "" : "a file that ends in ");
+        if (writer)
+            error_at(error, path, "figures can be %s, or text in .txt", writer->where);
+        else
+            error_at(error, path, "figures can be text in a file that ends in .txt");
         return error_hint(error, "plot %s > figure%s", plot_row(kind)->row.name,
                           writer ? ".svg" : ".txt");
     }

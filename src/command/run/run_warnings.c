@@ -162,12 +162,14 @@ static void reply_unresolved(const struct run *run, struct reply *reply)
     double dt;
     if (stop_is_failure(run->stop) || !run_force_unresolved(run, &dt))
         return;
+    struct buffer advice = {0};
+    if (isfinite(dt))
+        buffer_format(&advice, "dt <= %s, or ", SHOWN_QUANTITY(dt, QUANTITY_TIME, 2));
     reply_warning(reply,
                   "the force changes faster in time than steps of dt = %s can follow, so this run "
-                  "is not reliable; try %s%s%san adaptive method",
-                  SHOWN_QUANTITY(run->settings.dt, QUANTITY_TIME, 3), isfinite(dt) ? "dt <= " : "",
-                  isfinite(dt) ? SHOWN_QUANTITY(dt, QUANTITY_TIME, 2) : "",
-                  isfinite(dt) ? ", or " : "");
+                  "is not reliable; try %san adaptive method",
+                  SHOWN_QUANTITY(run->settings.dt, QUANTITY_TIME, 3), buffer_view(&advice));
+    buffer_free(&advice);
 }
 
 /* Warns of fixed steps across a time at which a slope is infinite but integrable: the result

@@ -146,8 +146,8 @@ static bool remove_line(struct session *session, const struct arguments *args, e
         error_at(error, name, "%.*s is used by an event", (int)name.len, name.data);
         return error_hint(error, "%s", why.hint);
     }
-    reply_line(reply, "%.*s is removed", what ? (int)strlen(what) : (int)name.len,
-               what ? what : name.data);
+    const struct text removed = what ? text_of(what) : name;
+    reply_line(reply, "%.*s is removed", (int)removed.len, removed.data);
     return true;
 }
 

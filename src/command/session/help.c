@@ -70,9 +70,10 @@ static void help_command(const struct row *row, struct buffer *text)
 static void put_kind(struct buffer *text, const struct row *row, const char *kind,
                      const struct model *model)
 {
-    const bool other = model != &oscillator_model;
-    buffer_format(text, "%s [%s], %s%s%s: %s\n", row->name, *row->unit ? row->unit : "1", kind,
-                  other ? " of " : "", other ? model->row.name : "", row->brief);
+    buffer_format(text, "%s [%s], %s", row->name, *row->unit ? row->unit : "1", kind);
+    if (model != &oscillator_model)
+        buffer_format(text, " of %s", model->row.name);
+    buffer_format(text, ": %s\n", row->brief);
 }
 
 /* Explains a parameter: default, limit, units. */
@@ -180,10 +181,11 @@ static void help_method(const struct row *row, struct buffer *text)
             buffer_format(text, ", %s", words[i].word);
     put_stable_limit(method, text);
     for (enum drag d = DRAG_EXACT; d < DRAG_COUNT; d++)
-        if (method->drags & (1u << d))
-            buffer_format(text, "%s%s%s", method->drags & ((1u << d) - 1) ? ", " : "\ndrag: ",
-                          catalog_row(&drag_catalog, (size_t)d - 1)->name,
-                          d == method->drag ? " (default)" : "");
+        if (method->drags & (1u << d)) {
+            buffer_put(text, method->drags & ((1u << d) - 1) ? TEXT(", ") : TEXT("\ndrag: "));
+            buffer_put(text, text_of(catalog_row(&drag_catalog, (size_t)d - 1)->name));
+            buffer_put(text, d == method->drag ? TEXT(" (default)") : TEXT(""));
+        }
     if (*row->citation)
         buffer_format(text, "\nsource: %s", row->citation);
     buffer_format(text,
@@ -346,8 +348,9 @@ static void help_model(const struct model *model, struct text name, bool *known,
     }
     if (variable >= 0 && model != &oscillator_model) { /* y and v are observables, too */
         const struct variable *moves = &model->variable[variable];
-        buffer_format(text, "%s%s [%s], a state variable of %s", text->len ? "\n" : "", moves->name,
-                      *quantity_unit(moves->quantity) ? quantity_unit(moves->quantity) : "1",
+        const char *const unit = quantity_unit(moves->quantity);
+        buffer_put(text, text->len ? TEXT("\n") : TEXT(""));
+        buffer_format(text, "%s [%s], a state variable of %s", moves->name, *unit ? unit : "1",
                       model->row.name);
     }
     for (int i = 0; i < typed_lines(model); i++) {

@@ -7,22 +7,25 @@
 
 #include <string.h>
 
+/* Returns true if word gives a command this argument; key is the part of word before a '='. */
+static bool gives_argument(const struct argument *argument, struct text word, struct text key)
+{
+    if (argument->form == FORM_KEY)
+        return text_is(key, argument->name) && !type_is(argument, TYPE_IS_ANY_KEY);
+    if (argument->form == FORM_OPTION)
+        return text_starts(word, TEXT("--")) && text_is(text_after(word, 2), argument->name);
+    return argument->form == FORM_WORD && text_is(word, argument->name);
+}
+
 /* Returns the argument that `dt=5ms`, `--force` or `until` gives the command, or NULL if there is
  * none. */
 static const struct argument *find_argument(const struct command *command, struct text word)
 {
     const char *equals = memchr(word.data, '=', word.len);
     const struct text key = {word.data, equals ? (size_t)(equals - word.data) : word.len};
-    for (int i = 0; i < command->arguments; i++) {
-        const struct argument *argument = &command->argument[i];
-        const bool named =
-            argument->form == FORM_KEY ? text_is(key, argument->name)
-            : argument->form == FORM_OPTION
-                ? text_starts(word, TEXT("--")) && text_is(text_after(word, 2), argument->name)
-                : argument->form == FORM_WORD && text_is(word, argument->name);
-        if (named && !(argument->form == FORM_KEY && type_is(argument, TYPE_IS_ANY_KEY)))
-            return argument;
-    }
+    for (int i = 0; i < command->arguments; i++)
+        if (gives_argument(&command->argument[i], word, key))
+            return &command->argument[i];
     return NULL;
 }
 

@@ -43,8 +43,10 @@ void reply_listed(const struct catalog *catalog, const struct row *row, struct r
     char value[32] = "";
     if (catalog == &limit_catalog)
         snprintf(value, sizeof value, "%16.0f ", ((const struct limit *)(const void *)row)->value);
-    reply_line(reply, "%-22s %s%-7s %s%s%s%s", row->name, value, row->unit, row->brief,
-               *row->citation ? " (" : "", row->citation, *row->citation ? ")" : "");
+    struct buffer *text = reply_buffer(reply);
+    buffer_format(text, "%-22s %s%-7s %s", row->name, value, row->unit, row->brief);
+    if (*row->citation)
+        buffer_format(text, " (%s)", row->citation);
     record_names(catalog, row, reply);
     if (catalog == &command_catalog) {
         struct buffer usage = {0};

@@ -281,10 +281,16 @@ enum step_status method_adapt(const struct method *method, struct step *step,
         step->controlled(step, controller, t_end, 1, NULL, &status);
         return status;
     }
-    return n == 2   ? adapt_two(method, step, controller, t_end)
-           : n == 3 ? adapt_three(method, step, controller, t_end)
-           : n == 4 ? adapt_four(method, step, controller, t_end)
-                    : adapt_any(method, step, controller, t_end);
+    switch (n) {
+    case 2:
+        return adapt_two(method, step, controller, t_end);
+    case 3:
+        return adapt_three(method, step, controller, t_end);
+    case 4:
+        return adapt_four(method, step, controller, t_end);
+    default:
+        return adapt_any(method, step, controller, t_end);
+    }
 }
 
 bool method_adapts_many(const struct step *step, const struct controller *controller)

@@ -31,7 +31,8 @@ static inline double factor_log2(double x)
  * rest. */
 static inline double factor_exp2(double x)
 {
-    const double floored = x < -1000 ? -1000 : x, clamped = floored > 1000 ? 1000 : floored;
+    const double floored = x < -1000 ? -1000 : x;
+    const double clamped = floored > 1000 ? 1000 : floored;
     /* adding shift rounds to a whole number, which is then in the lowest bits */
     const double shift = 0x1.8p52, rounded = clamped + shift;
     const double f = clamped - (rounded - shift), g = f * f;
@@ -51,7 +52,8 @@ static inline double factor_exp2(double x)
 /* Returns atan(x) with an error of 1e-5 (Abramowitz, Stegun 1964, eq. 4.4.49); exact at 0. */
 static inline double factor_atan(double x)
 {
-    const double size = x < 0 ? -x : x, z = size > 1 ? 1 / x : x, u = z * z;
+    const double size = x < 0 ? -x : x;
+    const double z = size > 1 ? 1 / x : x, u = z * z;
     const double angle =
         z * (0.9998660 + u * (-0.3302995 + u * (0.1801410 + u * (-0.0851330 + u * 0.0208351))));
     return size <= 1 ? angle : (x < 0 ? -1.5707963267948966 : 1.5707963267948966) - angle;

@@ -168,9 +168,11 @@ static double first_branch_end(const struct switch_search *search, int i,
                 ? guard_minimum(search, i, b, 1. / GUARD_CHECKS, fa, fb, guard[k + 1][i])
                 : NAN;
         if (!isnan(low)) {
-            const double bracket_begin = low > b ? b
-                                         : a > 0 ? a
-                                                 : point_inside_branch(search, i, low);
+            double bracket_begin;
+            if (low > b)
+                bracket_begin = b;
+            else
+                bracket_begin = a > 0 ? a : point_inside_branch(search, i, low);
             return guard_root(search, i, bracket_begin, guard_at(search, i, bracket_begin), low,
                               guard_at(search, i, low));
         }

@@ -70,10 +70,9 @@ static bool ends_at_pole(struct step *step, double t, double h)
     double rate[DISTANCES][LIMIT_VARIABLES];
     if (step->system->autonomous || !(near_distance < far / 1e4))
         return false;
-    for (int k = 0; k < DISTANCES; k++) {
-        const double distance = k == 0 ? far : k == 1 ? sqrt(far * near_distance) : near_distance;
-        system_derivative(step->system, t - copysign(distance, h), step->y, rate[k]);
-    }
+    const double distance[DISTANCES] = {far, sqrt(far * near_distance), near_distance};
+    for (int k = 0; k < DISTANCES; k++)
+        system_derivative(step->system, t - copysign(distance[k], h), step->y, rate[k]);
     step->cost.evals += DISTANCES;
     for (int i = 0; i < step->system->n; i++) {
         const double first = rate[1][i] - rate[0][i], second = rate[2][i] - rate[1][i];

@@ -151,7 +151,9 @@ static int64_t any_split(const struct method *method, const struct march *march)
 
 march_function *any_kernel(const struct method *method)
 {
-    return method->splitting ? any_split : method->step == rk_step ? any_rk : NULL;
+    if (method->splitting)
+        return any_split;
+    return method->step == rk_step ? any_rk : NULL;
 }
 
 step_function *any_step_kernel(const struct method *method)

@@ -88,13 +88,13 @@ march_function *method_kernel(const struct method *method, const struct system *
     if (system->model && system->model->typed)
         return typed_kernel(method, system, drag);
     const int shape = shape_of(system);
+    if (shape < 0 && system->order != 2)
+        return NULL;
     if (shape < 0)
-        return system->order != 2 ? NULL
-               : method->tableau  ? typed_kernel(method, system, drag)
-                                  : any_kernel(method);
+        return method->tableau ? typed_kernel(method, system, drag) : any_kernel(method);
     if (has_own_kernel(method, shape) && (method->step == rk_step || method->step == split_step))
         return (method->step == rk_step ? runge_kutta : splittings)[method->index][shape];
-    return method->splitting ? shape_split(shape)
-           : method->tableau ? typed_kernel(method, system, drag)
-                             : implicit_kernel(method, system);
+    if (method->splitting)
+        return shape_split(shape);
+    return method->tableau ? typed_kernel(method, system, drag) : implicit_kernel(method, system);
 }

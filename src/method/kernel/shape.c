@@ -151,7 +151,9 @@ int typed_shape(const struct system *system, bool splits)
     case 1:
         return !motion && one ? PLACE_typed_one : -1;
     case 2:
-        return motion ? PLACE_typed_line : one ? PLACE_typed_two : -1;
+        if (motion)
+            return PLACE_typed_line;
+        return one ? PLACE_typed_two : -1;
     case 3:
         return !motion && one ? PLACE_typed_three : -1;
     case 4:

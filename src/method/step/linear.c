@@ -18,7 +18,9 @@ static const double X_FIRST = 1e-4, X_LAST = 1e8;
  * windows. */
 static double next_x(double x)
 {
-    return x * (x > 3.05 && x < 3.25 ? 1.00005 : x > 0.3 && x < 30 ? 1.003 : 1.03);
+    if (x > 3.05 && x < 3.25)
+        return x * 1.00005;
+    return x * (x > 0.3 && x < 30 ? 1.003 : 1.03);
 }
 
 /* A method on the linear equation. */
@@ -32,7 +34,9 @@ struct linear_scene {
 
 double stiffness_sign_value(enum stiffness_sign sign)
 {
-    return sign == STIFFNESS_POSITIVE ? 1 : sign == STIFFNESS_ZERO ? 0 : -1;
+    if (sign == STIFFNESS_ZERO)
+        return 0;
+    return sign == STIFFNESS_POSITIVE ? 1 : -1;
 }
 
 /* Prepares the method on the equation with frequency 1. Returns false if it cannot step it. */

@@ -71,32 +71,64 @@ LU_FUNCTION void solve_complex(int n, const double *a, double *re, double *im)
 
 bool lu_factor(int n, double *a)
 {
-    return n == 1   ? lu_factor_size(1, a, a + n * n)
-           : n == 2 ? lu_factor_size(2, a, a + n * n)
-           : n == 3 ? lu_factor_size(3, a, a + n * n)
-                    : lu_factor_size(n, a, a + n * n);
+    switch (n) {
+    case 1:
+        return lu_factor_size(1, a, a + n * n);
+    case 2:
+        return lu_factor_size(2, a, a + n * n);
+    case 3:
+        return lu_factor_size(3, a, a + n * n);
+    default:
+        return lu_factor_size(n, a, a + n * n);
+    }
 }
 
 void lu_solve(int n, const double *a, double *b)
 {
-    n == 1   ? lu_solve_size(1, a, a + n * n, b)
-    : n == 2 ? lu_solve_size(2, a, a + n * n, b)
-    : n == 3 ? lu_solve_size(3, a, a + n * n, b)
-             : lu_solve_size(n, a, a + n * n, b);
+    switch (n) {
+    case 1:
+        lu_solve_size(1, a, a + n * n, b);
+        break;
+    case 2:
+        lu_solve_size(2, a, a + n * n, b);
+        break;
+    case 3:
+        lu_solve_size(3, a, a + n * n, b);
+        break;
+    default:
+        lu_solve_size(n, a, a + n * n, b);
+        break;
+    }
 }
 
 bool lu_factor_complex(int n, double *a)
 {
-    return n == 1   ? factor_complex(1, a)
-           : n == 2 ? factor_complex(2, a)
-           : n == 3 ? factor_complex(3, a)
-                    : factor_complex(n, a);
+    switch (n) {
+    case 1:
+        return factor_complex(1, a);
+    case 2:
+        return factor_complex(2, a);
+    case 3:
+        return factor_complex(3, a);
+    default:
+        return factor_complex(n, a);
+    }
 }
 
 void lu_solve_complex(int n, const double *a, double *re, double *im)
 {
-    n == 1   ? solve_complex(1, a, re, im)
-    : n == 2 ? solve_complex(2, a, re, im)
-    : n == 3 ? solve_complex(3, a, re, im)
-             : solve_complex(n, a, re, im);
+    switch (n) {
+    case 1:
+        solve_complex(1, a, re, im);
+        break;
+    case 2:
+        solve_complex(2, a, re, im);
+        break;
+    case 3:
+        solve_complex(3, a, re, im);
+        break;
+    default:
+        solve_complex(n, a, re, im);
+        break;
+    }
 }

@@ -112,9 +112,12 @@ INLINE void mix_stages(int stages, int n, const double *m, double *x)
 /* Calls mix_stages() with a constant number of stages. */
 INLINE void newton_mix(int stages, int n, const double *m, double *x)
 {
-    stages == 1   ? mix_stages(1, n, m, x)
-    : stages == 2 ? mix_stages(2, n, m, x)
-                  : mix_stages(3, n, m, x);
+    if (stages == 1)
+        mix_stages(1, n, m, x);
+    else if (stages == 2)
+        mix_stages(2, n, m, x);
+    else
+        mix_stages(3, n, m, x);
 }
 
 /* Replaces x [stages][n] by (1 - h a J)^-1 x, by the factors of newton_factor(). */

@@ -100,11 +100,16 @@ enum step_status rosenbrock_step(const struct method *method, struct step *step)
     const struct rosenbrock *rosenbrock = method->rosenbrock;
     const struct rosenbrock_forces derivatives = {step_slope, step_jacobian, step->system,
                                                   !step->system->autonomous};
-    const int n = step->system->n;
-    return n == 1   ? rosenbrock_small_step(1, rosenbrock, &derivatives, step)
-           : n == 2 ? rosenbrock_small_step(2, rosenbrock, &derivatives, step)
-           : n == 3 ? rosenbrock_small_step(3, rosenbrock, &derivatives, step)
-                    : large_step(rosenbrock, step);
+    switch (step->system->n) {
+    case 1:
+        return rosenbrock_small_step(1, rosenbrock, &derivatives, step);
+    case 2:
+        return rosenbrock_small_step(2, rosenbrock, &derivatives, step);
+    case 3:
+        return rosenbrock_small_step(3, rosenbrock, &derivatives, step);
+    default:
+        return large_step(rosenbrock, step);
+    }
 }
 
 void rosenbrock_dense(const struct method *method, const struct step *step, double theta, double *y)

@@ -129,8 +129,8 @@ INLINE void split_stages(const struct split_way *way, int n, const struct split_
         if ((i % 2 == 0) == splitting->kick_first) {
             if (!(i == 0 && known))
                 forces->force(forces->context, t, z, pull);
-            split_kick(way, n, forces, frozen ? &frozen[i] : NULL,
-                       way->symmetric ? 2 * i + 1 - count : 1, t, w, pull, z, low);
+            const int side = way->symmetric ? 2 * i + 1 - count : 1;
+            split_kick(way, n, forces, frozen ? &frozen[i] : NULL, side, t, w, pull, z, low);
         } else {
             for (int j = 0; j < d; j++)
                 step_add(&z[j], low ? &low[j] : NULL, w * z[d + j]);

@@ -61,8 +61,8 @@ static double move_size(const struct step *step, double by_position, double by_v
     int n = step->system->n, d = n / 2;
     double largest = 0;
     for (int i = 0; i < n; i++) {
-        double size = fabs((i < d ? by_position : by_velocity) * move[i < d ? i : i - d]) /
-                      fmax(step->system->scale[i], fabs(step->y[i]));
+        const double increment = i < d ? by_position * move[i] : by_velocity * move[i - d];
+        double size = fabs(increment) / fmax(step->system->scale[i], fabs(step->y[i]));
         if (!(size <= largest))
             largest = size;
     }
