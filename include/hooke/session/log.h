@@ -54,7 +54,7 @@ bool journal_add(struct run_slot *slot, struct request request, struct text cond
                  struct error *error);
 void journal_drop(struct run_slot *slot); /* Removes the last request, which must exist. */
 /* Adds an owner to the list that ends at `last`, and returns `last`; NULL is an empty list. */
-struct request *journal_fraction(struct request *last);
+struct request *journal_retain(struct request *last);
 /* Removes an owner of the list; requests without owners are freed. NULL is allowed. */
 void journal_release(struct request *last);
 /* Returns the number of requests of the list, 0 for NULL. */

@@ -38,7 +38,7 @@ int journal_count(const struct request *last)
     return last ? last->count : 0;
 }
 
-struct request *journal_fraction(struct request *last)
+struct request *journal_retain(struct request *last)
 {
     if (last)
         last->references++;
@@ -91,7 +91,7 @@ bool journal_add(struct run_slot *slot, struct request request, struct text cond
 void journal_drop(struct run_slot *slot)
 {
     struct request *dropped = slot->last;
-    slot->last = journal_fraction(dropped->previous);
+    slot->last = journal_retain(dropped->previous);
     journal_release(dropped);
 }
 
@@ -132,7 +132,7 @@ struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
         return NULL;
     }
     struct request *edited = NULL;
-    slot->last = journal_fraction(request->previous);
+    slot->last = journal_retain(request->previous);
     bool ok = true;
     for (int i = 0; i < count && ok; i++) {
         ok = journal_add(slot, *list[i], text_of(list[i]->condition), error);
@@ -346,7 +346,7 @@ bool journal_restore(struct session *session, struct run_slot *slot, struct requ
         ok = repeat_requests(session, slot, last, steps);
     }
     if (ok) {
-        journal_fraction(last);
+        journal_retain(last);
         journal_release(slot->last);
         slot->last = last;
     }

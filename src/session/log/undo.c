@@ -108,7 +108,7 @@ static struct run_mark *mark_run(struct run_slot *slot)
             (struct run_mark){.references = 1, .steps = run->steps, .t = run->t, .stop = run->stop};
         slot->mark->controller = run->controller;
         memcpy(slot->mark->name, run->name, sizeof slot->mark->name);
-        slot->mark->last = journal_fraction(slot->last);
+        slot->mark->last = journal_retain(slot->last);
     }
     slot->mark->references++;
     return slot->mark;
