@@ -93,9 +93,9 @@ static int shown_count(const double *value, int count)
 static void put_values(struct buffer *text, const char *name, const double *value, int count,
                        enum quantity quantity)
 {
+    buffer_format(text, "%s = ", name);
     for (int i = 0; i < shown_count(value, count); i++)
-        buffer_format(text, "%s%s%s", i ? ", " : name, i ? "" : " = ",
-                      SHOWN_QUANTITY(value[i], quantity, 6));
+        buffer_format(text, "%s%s", i ? ", " : "", SHOWN_QUANTITY(value[i], quantity, 6));
 }
 
 void noise_setup_put(const struct noise_setup *setup, struct buffer *text)

@@ -84,7 +84,9 @@ static void draw_minor_ticks(struct page *page, bool vertical)
     const double low = vertical ? page->top : page->left;
     const double high = vertical ? page->bottom : page->right, apart = 1.5 * page->style.minor_tick;
     /* number of parts into which minor ticks divide the step between two labels */
-    const int parts = decades ? (ticks->step > 1 ? (int)ticks->step : 9) : tick_parts(ticks);
+    int parts = tick_parts(ticks);
+    if (decades)
+        parts = ticks->step > 1 ? (int)ticks->step : 9;
     const double length = fabs(page_tick(page, vertical, tick_value(ticks, 1, decades)) -
                                page_tick(page, vertical, tick_value(ticks, 0, decades)));
     if (ticks->count < 2 || length < apart * parts * (decades && ticks->step == 1 ? 2 : 1))
@@ -210,14 +212,17 @@ static void draw_axis_title(struct page *page, bool vertical)
     const double middle =
         vertical ? (page->top + page->bottom) / 2 : (page->left + page->right) / 2;
     const double position = fmin(fmax(middle, low + half), high - half);
-    const struct surface_text text = {
-        .x = vertical ? page->from_x + style->font : position,
-        .y = vertical ? position : page->bottom + page_labels_height(style) - 0.14 * style->font,
-        .align = 0.5,
-        .turned = vertical,
-        .size = size,
-        .color = style_black,
-        .text = buffer_view(&name)};
+    struct surface_text text = {.x = position,
+                                .y = position,
+                                .align = 0.5,
+                                .turned = vertical,
+                                .size = size,
+                                .color = style_black,
+                                .text = buffer_view(&name)};
+    if (vertical)
+        text.x = page->from_x + style->font;
+    else
+        text.y = page->bottom + page_labels_height(style) - 0.14 * style->font;
     surface_put_text(page->surface, &text);
     page->surface->failed |= unit.failed;
     buffer_free(&name);

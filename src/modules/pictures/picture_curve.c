@@ -217,10 +217,10 @@ static void draw_line(struct page *page, int curve, bool marked)
                         : line_ink(page, curve, width);
     const bool arrows = page->figure->curve[curve].arrows;
     const struct brush thin = {.color = style_gray, .width = style->thin_line};
-    const int marks =
-        marked && !arrows
-            ? (path->width > 0 ? marks_at_samples : marks_along)(page, curve, place, LINE_MARKS + 1)
-            : 0;
+    int marks = 0;
+    if (marked && !arrows)
+        marks =
+            (path->width > 0 ? marks_at_samples : marks_along)(page, curve, place, LINE_MARKS + 1);
 
     surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
     add_path(page, path);

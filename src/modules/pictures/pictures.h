@@ -7,8 +7,8 @@
 /* Kinds of pictures. PICTURE_PIXELS is not a file format: rows of 32-bit words 0x00RRGGBB in the
  * byte order of the machine, from the top. */
 enum picture { PICTURE_SVG, PICTURE_PDF, PICTURE_PNG, PICTURE_PIXELS };
-#define PICTURE_PIXELS_EACH                                                                        \
-    2 /* pixels per point, horizontally and vertically, in a PNG and in PICTURE_PIXELS */
+/* Pixels per point, horizontally and vertically, in a PNG and in PICTURE_PIXELS. */
+#define PICTURE_PIXELS_EACH 2
 
 #define PICTURE_WIDTH 640 /* [pt] 1/72 inch: with the height below about A5 */
 #define PICTURE_HEIGHT 400

@@ -55,9 +55,8 @@ extern const double style_black[3], style_white[3], style_gray[3], style_grid[3]
 /* Colours of curves, which colour-blind readers can distinguish. */
 extern const double style_palette[][3];
 extern const size_t style_palette_count;
-#define STYLE_SHRINK                                                                               \
-    0.7                 /* smallest part of its size to which text that would not fit is reduced   \
-                         */
+/* Text that does not fit is reduced to no less than this part of its size. */
+#define STYLE_SHRINK 0.7
 #define STYLE_BAND 0.25 /* opacity of a band */
 
 /* Dash pattern [dash]: ink and gaps between round ends, in turn. An empty one is a solid line. */

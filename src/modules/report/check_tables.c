@@ -179,6 +179,12 @@ static double number_difference(double a, double b, double scale)
     return scale > 0 ? fabs(a - b) / scale : 0;
 }
 
+/* Returns the unit of a column, or "" if it has none. */
+static const char *unit_of_column(const struct table_column *column)
+{
+    return column->unit ? column->unit : "";
+}
+
 /* Compares column c of two tables of the same shape and adds its differences to *found. Texts must
  * be equal. */
 static void compare_column(const struct table *handed, const struct table *again, int c,
@@ -187,7 +193,7 @@ static void compare_column(const struct table *handed, const struct table *again
     const struct table_column *a = &handed->column[c], *b = &again->column[c];
     const double scale =
         a->value ? fmax(column_max(a, handed->rows), column_max(b, again->rows)) : 0;
-    const bool has_unit = a->unit && *a->unit;
+    const bool has_unit = *unit_of_column(a);
     const double tolerance =
         data_tolerance_relative + (has_unit || !(scale > 0) ? 0 : data_tolerance_of_one / scale);
     for (size_t i = 0; i < handed->rows; i++) {
@@ -210,8 +216,8 @@ static void compare_column(const struct table *handed, const struct table *again
 /* Returns true if both columns have the same name, unit and type. */
 static bool same_column(const struct table_column *a, const struct table_column *b)
 {
-    return strcmp(a->name, b->name) == 0 &&
-           strcmp(a->unit ? a->unit : "", b->unit ? b->unit : "") == 0 && !a->value == !b->value;
+    return strcmp(a->name, b->name) == 0 && strcmp(unit_of_column(a), unit_of_column(b)) == 0 &&
+           !a->value == !b->value;
 }
 
 /* Appends the text or number of a cell. */

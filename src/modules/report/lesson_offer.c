@@ -35,8 +35,12 @@ static bool is_own_recording(const struct session *session)
  * length is that of the lesson's own, 120 s. */
 void lesson_readings(const struct recording *recording, struct buffer *output)
 {
-    const double t_begin = recording ? recording->window[0] : 0,
-                 gap = (recording ? recording->window[1] - t_begin : 120) / 6;
+    double t_begin = 0, span = 120; /* [s] of the lesson's own recording */
+    if (recording) {
+        t_begin = recording->window[0];
+        span = recording->window[1] - t_begin;
+    }
+    const double gap = span / 6;
     double unit = 1; /* [s] whole seconds where readings are far apart, as one would read them */
     int decimals = 0;
     for (; gap < 4 * unit && decimals < 2; decimals++)

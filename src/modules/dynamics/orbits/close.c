@@ -9,9 +9,8 @@
 #include "modules/dynamics/orbits/solutions.h"
 
 #define RESIDUAL_CLOSED_SIZES 1e-8 /* largest residual of a closed orbit, in natural sizes */
-#define SECOND_SOLUTION_TOLERANCE                                                                  \
-    1e-12                             /* tolerance of a second solution, which tells the error     \
-                                       */
+/* Tolerance of a second solution, whose difference from the first tells the error. */
+#define SECOND_SOLUTION_TOLERANCE 1e-12
 #define RESIDUAL_POLISHED_SIZES 1e-11 /* residual below which nothing more is to be gained */
 #define JACOBIAN_ENTRIES_MAX ((size_t)CURVE_MAX * CURVE_MAX)
 

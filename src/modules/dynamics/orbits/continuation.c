@@ -17,9 +17,8 @@
 #define JACOBIAN_REUSE_DISTANCE 3e-6 /* derivatives so near are good enough for a step */
 /* A step along the curve ends when the next correction would be smaller. */
 #define STEP_NEXT_CORRECTION_MAX 1e-9
-#define STALLED_CORRECTION_MAX                                                                     \
-    1e-9                          /* and below this does not get smaller by more than rounding     \
-                                   */
+/* A correction below this that does not shrink any more is rounding. */
+#define STALLED_CORRECTION_MAX 1e-9
 #define FINE_CORRECTION_MAX 1e-15 /* a correction below this is rounding */
 /* Derivatives that were computed within this distance are exact to rounding. */
 #define JACOBIAN_EXACT_DISTANCE 1e-12

@@ -13,9 +13,9 @@
 
 struct cancel;
 
-#define FIELD_VARIABLES                                                                            \
-    7 /* n, n^2 derivatives by the start and n by a parameter are one system                       \
-       */
+/* Largest number of variables n: with n^2 derivatives by the start and n by each parameter they are
+ * one system. */
+#define FIELD_VARIABLES 7
 
 #define MOST_FREE 2 /* largest number of free parameters */
 

@@ -158,21 +158,24 @@ static void report_add_run(struct report *report, const struct run_slot *slot, c
                                                    NAN,
                                                    slot->origin[i],
                                                    lab ? NULL : param_at(scene, i)->row.brief});
-    const struct {
+    struct {
         const char *name;
         double value;
         enum quantity quantity;
         const char *source;
     } rows[] = {
-        {run->plan.adaptive ? "tol" : "dt",
-         run->plan.adaptive ? run->settings.tol : run->settings.dt,
-         run->plan.adaptive ? QUANTITY_NUMBER : QUANTITY_TIME, "setting"},
+        {"dt", run->settings.dt, QUANTITY_TIME, "setting"},
         {"energy at the start", ledger.initial, QUANTITY_ENERGY, "run"},
         {"energy at the end", ledger.final, QUANTITY_ENERGY, "run"},
         {run->plan.ledger ? "largest error of the energy balance" : "largest error of the energy",
          ledger.error_max, QUANTITY_NUMBER, "run"},
         {"largest error of the motion", errors.max, QUANTITY_NUMBER, "run"},
     };
+    if (run->plan.adaptive) {
+        rows[0].name = "tol";
+        rows[0].value = run->settings.tol;
+        rows[0].quantity = QUANTITY_NUMBER;
+    }
     for (size_t i = 0; i < COUNT_OF(rows); i++)
         report_add_value(report, (struct report_value){rows[i].name,
                                                        {rows[i].value, 0},

@@ -34,9 +34,9 @@ void say_value(struct document *document, const struct report_value *value)
 {
     /* An uncertainty by rounding is meaningless for a simulation. */
     const bool recorded = text_starts(text_of(value->subject), TEXT("data "));
-    const int digits = value->value.uncertainty > 0
-                           ? (recorded ? ALL_DIGITS : VALUE_DIGITS)
-                           : (is_stated(value) ? VALUE_DIGITS : FEW_DIGITS);
+    int digits = is_stated(value) ? VALUE_DIGITS : FEW_DIGITS;
+    if (value->value.uncertainty > 0)
+        digits = recorded ? ALL_DIGITS : VALUE_DIGITS;
     document_measured(document, value->value, value->quantity, digits);
 }
 
