@@ -305,6 +305,7 @@ static void draw_y_axis(const struct text_sheet *sheet)
     }
 }
 
+/* rows of a panel up to which a line is drawn without marks */
 #define FEW_ROWS 3
 
 /* Returns true if no other curve is drawn in the panel. */
@@ -438,6 +439,8 @@ static void draw_panel(const struct figure_panel *panel, struct canvas *canvas, 
     draw_curves(&sheet);
 }
 
+/* Draws a figure, or its words for screen readers, into width x height cells of the canvas from (x,
+ * y) on. Returns false if out of memory. */
 bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                  int height, const struct charset *charset)
 {
@@ -468,6 +471,7 @@ bool figure_stopped(const struct figure *figure)
     return stopped;
 }
 
+/* Appends a figure as lines of text. Returns false if out of memory or cancelled. */
 bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
                   bool color, struct buffer *output)
 {

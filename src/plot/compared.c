@@ -25,6 +25,7 @@ bool recorded_bare(const struct recording *recording)
     return recording->column[recording->value].quantity == QUANTITY_OTHER;
 }
 
+/* Appends that a recording has no unit, or an unknown one. */
 void put_bare(const struct recording *recording, struct buffer *text)
 {
     const struct column *value = &recording->column[recording->value];
@@ -72,6 +73,7 @@ struct data_distance run_data_distance(const struct run *run, struct recording *
     return distance;
 }
 
+/* Appends how a voltage or force corresponds to the run: "1 V = 2.31 cm, 0 V at y = 1.2 cm". */
 void put_scale(const struct data_distance *data, const struct run *run, struct buffer *text)
 {
     const struct variable first = system_variable(&run->system, 0);

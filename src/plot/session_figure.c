@@ -441,6 +441,7 @@ static bool label_axes(const struct drawing *d, const struct plot_row *row,
     return true;
 }
 
+/* Makes the figure of a request, in the arena. Returns false with an error. */
 bool session_figure(const struct session *session, const struct figure_request *request,
                     struct arena *arena, struct figure *figure, struct error *error)
 {

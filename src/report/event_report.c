@@ -121,6 +121,7 @@ void reply_event_doubts(struct run_slot *slot, struct reply *reply)
     run->warned_doubt = run->warned_doubt || said;
 }
 
+/* Replies with all event records of the current run, or tells how to get some. */
 void reply_event_records(const struct session *session, struct reply *reply)
 {
     const struct run *run = session_run(session);

@@ -117,6 +117,9 @@ static bool same_model(const struct session *session, const int *index, int coun
     return true;
 }
 
+/* Makes a table of the runs that were asked for (the current one by default): a row for each
+ * recorded time that `every` keeps, the columns t and those of `column`. Returns false with an
+ * error if there is no run, if runs have different variables, or if out of memory. */
 bool export_runs(const struct session *session, const struct argument_value *runs,
                  const struct argument_value *column, const struct argument_value *every,
                  struct export *export, struct error *error)

@@ -139,6 +139,7 @@ void reply_run_record(struct run_record *record, struct reply *reply)
     reply_records(reply, "run", &columns, record, 1);
 }
 
+/* Replies with the record of the current run, if there is one. */
 void reply_current_run(const struct session *session, struct reply *reply)
 {
     struct run_record record;

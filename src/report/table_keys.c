@@ -146,6 +146,7 @@ bool keys_finish(const struct keys *keys, struct export *export, struct error *e
     return !keys->failed || error_memory(error);
 }
 
+/* Fills the keys of an export with the session's present scene. Returns false if out of memory. */
 bool export_scene_keys(const struct session *session, struct export *export, struct error *error)
 {
     struct keys keys;
@@ -155,6 +156,8 @@ bool export_scene_keys(const struct session *session, struct export *export, str
     return keys_finish(&keys, export, error);
 }
 
+/* Fills the keys of an export with the scene, method and changes of one run. Returns false if out
+ * of memory. */
 bool export_run_keys(const struct session *session, int index, struct export *export,
                      struct error *error)
 {

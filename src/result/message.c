@@ -19,6 +19,7 @@ static void put_safely(struct buffer *output, const char *format, va_list args)
     buffer_free(&raw);
 }
 
+/* Adds a formatted line to the reply. */
 void reply_line(struct reply *reply, const char *format, ...)
 {
     struct buffer line = {0};
@@ -42,6 +43,7 @@ static void write_message(struct reply *reply, const struct buffer *text)
         reply->sink.err(reply->sink.context, buffer_text(text));
 }
 
+/* Writes a formatted note to the error stream. */
 void reply_note(struct reply *reply, const char *format, ...)
 {
     struct buffer line = {0};
@@ -71,6 +73,7 @@ static void write_warning(struct reply *reply, const char *text)
     reply_free(&record);
 }
 
+/* Writes a warning to the error stream, as a line or as a JSON record. */
 void reply_warning(struct reply *reply, const char *format, ...)
 {
     struct buffer line = {0}, output = {0};

@@ -36,6 +36,7 @@ void cell_take(struct text_table *table, struct buffer *text)
     buffer_free(text);
 }
 
+/* Adds a formatted text as the next cell. */
 void cell_format(struct text_table *table, const char *format, ...)
 {
     struct buffer text = {0};
@@ -174,6 +175,8 @@ static void put_blanks(struct buffer *output, int count)
         buffer_char(output, ' ');
 }
 
+/* Writes the table, its columns aligned and within table->max cells: gaps become narrower, equal
+ * columns are summed up below the table, then columns are left out. Sentences below tell which. */
 void text_table_put(const struct text_table *table, struct buffer *output)
 {
     int width[TABLE_COLUMNS_MAX] = {0};

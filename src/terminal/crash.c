@@ -46,6 +46,7 @@ void crash_disarm(void)
     rescue.armed = 0;
 }
 
+/* Writes the armed text and restores the modes; may be called in a signal handler. */
 void crash_restore(void)
 {
     if (rescue.armed) {

@@ -242,9 +242,10 @@ __attribute__((weak)) int rl_insert_text(const char *text);
 #define COUNT_MOST 100                  /* largest numeric prefix before its last digit is typed */
 #define REPEATED_MOST ((size_t)1 << 14) /* [byte] longest line that a repeated key makes */
 
-/* Limits the length of the line: text that is yanked, cut and yanked again repeatedly would soon
- * exceed an int. The limit is that of a line of the interpreter or, for repeated keys, small enough
- * for searches whose time grows with its square. */
+/* Inserts text in place of readline's function, but refuses lines that become too long: text that
+ * is yanked, cut and yanked again repeatedly would soon exceed an int. The limit is that of a line
+ * of the interpreter or, for repeated keys, small enough for searches whose time grows with its
+ * square. */
 int rl_insert_text(const char *text)
 {
     static int (*own)(const char *);
@@ -269,6 +270,8 @@ int rl_newline(int count, int key)
     return own ? own(count, key) : 0;
 }
 
+/* Corrects the end of the line if readline's lies behind the text, and limits the numeric prefix.
+ */
 void line_mend(void)
 {
     const int end = (int)strlen(rl_line_buffer);
@@ -331,6 +334,8 @@ void line_drop(void)
     rl_set_keymap_from_edit_mode(); /* insertion mode, in vi's */
 }
 
+/* Leaves a search, a key sequence or a paste by readline's own jump to a new key; does not return.
+ */
 void line_leave(void)
 {
     if (RL_ISSTATE(RL_STATE_ISEARCH | RL_STATE_NSEARCH | RL_STATE_NUMERICARG)) {
@@ -426,6 +431,8 @@ static int by_address(const void *a, const void *b)
     return (one > two) - (one < two);
 }
 
+/* Frees what readline has given up since the last line: the parts of undo lists and noted memory,
+ * each address once. */
 void line_over(void)
 {
     HIST_ENTRY **entry = history_list();

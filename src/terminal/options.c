@@ -88,6 +88,7 @@ static void put_module_option(const struct module_option *option, struct buffer 
         put_option(0, option->word, option->shown, option->brief, text);
 }
 
+/* Appends the usage, all options of this build, and the exit statuses. */
 void options_help(struct buffer *text)
 {
     buffer_format(text,

@@ -61,6 +61,7 @@ void pacing_drawn(struct pacing *pacing, const struct session *session, int64_t 
     }
 }
 
+/* Notes that the terminal has answered. */
 void pacing_replied(struct pacing *pacing, int64_t now)
 {
     if (pacing->requested != 0) {

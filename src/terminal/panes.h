@@ -22,6 +22,7 @@ struct input {
     bool closed;     /* the terminal is gone */
 };
 
+/* Kinds of input: nothing, one byte, a paste, the terminal's answer. */
 enum input_item { INPUT_NONE, INPUT_BYTE, INPUT_PASTE, INPUT_REPLY };
 
 /* Reads the available bytes. gone means that poll() has reported that the terminal has hung up. */

@@ -6,6 +6,7 @@
 
 #include <stdio.h>
 
+/* Progress that is shown at present. */
 static struct progress_line {
     int64_t begun, shown; /* [ns] */
     bool visible;

@@ -153,6 +153,7 @@ bool panes_possible(struct error *error)
     return true;
 }
 
+/* Takes the terminal: modes, size, bracketed paste. Returns false if ncurses cannot. */
 bool screen_begin(struct terminal_screen *screen)
 {
     crash_modes();
@@ -167,6 +168,7 @@ bool screen_begin(struct terminal_screen *screen)
     return true;
 }
 
+/* Gives the terminal back and frees the canvases. */
 void screen_end(struct terminal_screen *screen)
 {
     screen_send(screen_capability("BD"));
@@ -185,6 +187,7 @@ void screen_leave(struct terminal_screen *screen)
     endwin();
 }
 
+/* Takes the terminal again after the program was stopped. */
 void screen_return(struct terminal_screen *screen)
 {
     crash_modes(); /* the shell may have changed the modes */

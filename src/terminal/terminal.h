@@ -15,7 +15,7 @@
 
 enum task_kind { TASK_FILE, TASK_COMMAND };
 
-struct task { /* -f FILE, FILE, -c TEXT in the order given */
+struct task { /* a file or commands of the command line, in the order given */
     enum task_kind kind;
     const char *text;
 };
@@ -158,6 +158,7 @@ void crash_last_act(void (*act)(void));
 
 /* ---- front ends ---- */
 
+/* Front end that takes over: none, the plain prompt, the panes. */
 enum front_kind { FRONT_END, FRONT_IS_PLAIN, FRONT_IS_PANES };
 
 /* State shared by all front ends of one program. */
@@ -252,6 +253,7 @@ void line_over(void);
  * the folder if `create` is set. Returns NULL if there is none; the caller frees it. */
 char *state_path(const char *name, bool create);
 
+/* lines that the history file keeps */
 #define HISTORY_LINES 5000
 
 /* Loads the last HISTORY_LINES lines of the file into readline's history. */

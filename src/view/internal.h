@@ -22,6 +22,7 @@ struct rectangle {
 
 /* ---- positions of the panes on the screen (layouts.c) ---- */
 
+/* most panes on a screen */
 #define PLACED_MAX 8
 
 /* One pane on the screen. Panes that share a time axis are placed one above the other in one frame;

@@ -13,6 +13,8 @@
 #define LEGEND_MARK_CELLS 4
 #define POWER_CELLS 6 /* [cell] width of "1e-12 " in a title */
 
+/* Replaces the labels of runs by their numbers if title, axis and all labels do not fit into the
+ * upper frame of `width` cells. */
 void labels_shorten(struct screen *screen, int width, int height,
                     const struct figure_request *request, struct figure *figure)
 {

@@ -91,6 +91,8 @@ static int put_numbers(const struct screen *screen, int x, int y)
     return next;
 }
 
+/* Draws the numbers line into row y: `hint` if there is one, else energy, error, run and the keys.
+ */
 void numbers_draw(const struct screen *screen, struct text hint, int y)
 {
     static const char long_keys[] = "F1 help  F5 run/pause  F6 layout  F7 cursors  PgUp log",

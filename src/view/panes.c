@@ -335,6 +335,7 @@ bool panes_figures(struct screen *screen, const struct placed_pane *placed, int 
     return true;
 }
 
+/* Makes and draws the figures of all panes. Returns false if out of memory. */
 bool panes_draw(struct screen *screen, const struct placed_pane *placed, int placed_count)
 {
     struct figure figure[PLACED_MAX];

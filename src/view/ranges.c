@@ -63,6 +63,8 @@ static void axis_settle(struct axis *axis, struct extent extent, int rows)
     axis->last_value = ceil((extent.high - touch) / step) * step;
 }
 
+/* Extends a time axis of `columns` cells to the next label if that is within LABEL_REACH of its
+ * length. */
 void ranges_reach_label(struct axis *axis, int columns)
 {
     double span = axis->last_value - axis->first_value,
@@ -172,6 +174,8 @@ static void settle_panel(const struct screen *screen, const struct placed_pane *
     }
 }
 
+/* Chooses the ranges of both axes, and of the second panel, that stay the same while curves grow.
+ * Returns false if out of memory. */
 bool ranges_settle(struct screen *screen, const struct placed_pane *placed, struct figure *figure)
 {
     settle_panel(screen, placed, figure, 0, &figure->x, &figure->y);

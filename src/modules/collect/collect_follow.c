@@ -136,7 +136,8 @@ void collect_fit_last(struct collection *c)
     }
 }
 
-/* Says once what is waited for, if nothing arrives or nothing that can be read. */
+/* Tells the user, once each, that nothing arrives from the source, or that no line can be read as a
+ * sample. */
 static void report_waiting(struct collection *c)
 {
     const struct feed_look *look = &c->look;

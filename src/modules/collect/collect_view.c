@@ -125,6 +125,7 @@ struct recording *collect_view_read(struct collect_view *view, uint64_t lines)
     return recording;
 }
 
+/* Lets the next reading begin at the start of the file. */
 void collect_view_restart(struct collect_view *view)
 {
     buffer_clear(&view->head);

@@ -70,6 +70,7 @@ struct collect_live {
     const struct method *method;
 };
 
+/* Reason for the end: the source ended, the user stopped it, or the time limit. */
 enum collect_end { END_BY_FEED, END_STOPPED, END_IN_TIME };
 
 /* A collection in progress. */

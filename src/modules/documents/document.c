@@ -49,6 +49,7 @@ void buffer_html(struct buffer *output, struct text text)
     buffer_replaced(output, text, signs, COUNT_OF(signs));
 }
 
+/* Appends text with the characters escaped that Markdown interprets. */
 void buffer_markdown(struct buffer *output, struct text text)
 {
     for (size_t i = 0; i < text.len; i++) {
@@ -147,6 +148,7 @@ static void document_words_put(struct document *document, struct text words, boo
     buffer_free(&text);
 }
 
+/* Writes formatted words of the program, escaped for each markup. */
 void document_say(struct document *document, const char *format, ...)
 {
     struct buffer words = {0};
@@ -159,6 +161,7 @@ void document_say(struct document *document, const char *format, ...)
     buffer_free(&words);
 }
 
+/* Writes a value with its uncertainty and unit; LaTeX gets it for siunitx. */
 void document_measured(struct document *document, struct measured value, enum quantity quantity,
                        int digits)
 {
@@ -200,6 +203,7 @@ void document_name(struct document *document, struct text name)
     buffer_free(&safe);
 }
 
+/* Writes a link to a file. */
 void document_link(struct document *document, const char *file, const char *words)
 {
     buffer_format(&document->md, "[%s](%s)", words, file);

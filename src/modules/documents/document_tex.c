@@ -35,6 +35,8 @@ void buffer_latex(struct buffer *output, struct text text)
     buffer_replaced(output, text, signs, COUNT_OF(signs));
 }
 
+/* Appends text escaped for LaTeX; control characters become blanks, letters beyond Latin-1 question
+ * marks. */
 void buffer_tex(struct buffer *output, struct text text)
 {
     struct buffer known = {0};
@@ -56,6 +58,7 @@ void buffer_tex(struct buffer *output, struct text text)
     buffer_free(&known);
 }
 
+/* Appends preformatted text, line by line, with leading blanks kept. */
 void put_tex_code(struct buffer *output, struct text code)
 {
     struct text line;

@@ -20,6 +20,7 @@ void buffer_siunitx(struct buffer *output, struct text measured);
  * become nothing but code.
  */
 
+/* Kinds of blocks of a document. */
 enum block {
     BLOCK_TITLE,
     BLOCK_PART,
@@ -35,6 +36,7 @@ enum block {
     BLOCK_HEAD, /* a cell of the heading */
 };
 
+/* A document that is being written. */
 struct document {
     struct buffer md, html, tex;
     size_t table;  /* offset at which the LaTeX table began */

@@ -73,6 +73,7 @@ bool lanes_carry(const struct method *method, enum drag drag);
  */
 #define PROGRAM_LANES LANE_COUNT
 
+/* Knowledge about a program's names or values. */
 enum program_lanes {
     LANES_ALIKE = 1, /* the same value in all lanes, whenever it is evaluated */
     LANES_FIXED = 2, /* the same values from here on */

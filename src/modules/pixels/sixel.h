@@ -5,6 +5,7 @@
 
 #include <hooke/base/text.h>
 
+/* most colours of an image */
 #define SIXEL_COLORS 64
 
 /*

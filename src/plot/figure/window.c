@@ -107,6 +107,7 @@ struct axis quantity_axis(const char *label, enum quantity quantity, double size
     return axis;
 }
 
+/* Returns the fixed time axis of a window [s]. */
 struct axis time_axis(const double window[2])
 {
     struct axis axis = quantity_axis("t", QUANTITY_TIME, window[1]);
@@ -233,8 +234,8 @@ bool session_window(const struct session *session, const struct figure_request *
     return d.window[0] < d.window[1];
 }
 
-/* Returns the request for the rows of a run in a window; only plots of variables over time name
- * variables whose extremes suffice. */
+/* Returns the request for the rows of a run in a window. For plots of variables over time it names
+ * the variables, so that choose_rows() may keep only the rows of their extremes. */
 struct row_request drawing_rows(const struct drawing *d, const double window[2])
 {
     const struct figure_request *request = d->request;

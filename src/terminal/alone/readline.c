@@ -13,8 +13,9 @@ void own_rl_newline(void);
 #name, own_##name                                                                          \
     }
 
-/* Linked in place of dlsym, which finds nothing in a static program. */
 void *__wrap_dlsym(void *handle, const char *name);
+/* Returns readline's own function of this name, or NULL. It is linked in place of dlsym, which
+ * finds nothing in a static program. */
 void *__wrap_dlsym(void *handle, const char *name)
 {
     static const struct {

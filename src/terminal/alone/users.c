@@ -27,6 +27,7 @@ struct passwd *getpwent(void)
     return users ? fgetpwent(users) : NULL;
 }
 
+/* Returns the user of this name, or NULL. */
 struct passwd *getpwnam(const char *name)
 {
     struct passwd *user;
@@ -37,6 +38,7 @@ struct passwd *getpwnam(const char *name)
     return user;
 }
 
+/* Returns the user of this number, or NULL. */
 struct passwd *getpwuid(uid_t uid)
 {
     struct passwd *user;

@@ -26,6 +26,7 @@ enum {
 enum { CREATE = 444, ADD, RESTRICT };
 #endif
 
+/* Flag that asks for the version, and the kind of rule. */
 enum { ASK_VERSION = 1, RULE_PATH_BENEATH = 1 };
 
 /* Rights to use a path, as the kernel numbers them (landlock(7)). */
@@ -86,6 +87,8 @@ static bool allow_all(int rules, uint64_t writing, const char *const *folder, in
     return ok;
 }
 
+/* Lets the kernel deny writing outside of the folders, running programs and TCP, as far as its
+ * version can. Returns false with an error if it cannot. */
 bool confine_writing(const char *const *folder, int folders, struct error *error)
 {
     const int version = confine_version();

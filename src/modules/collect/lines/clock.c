@@ -103,7 +103,9 @@ static bool continues_from(const struct arrivals *a, const double *v, size_t ind
     return from_it > from_before || (from_it == from_before && v[index] > was);
 }
 
-/* Returns the step [count] between the last stamp and the first after a new start. */
+/* Returns the step [count] from the last stamp `was` to the first stamp `now` after a restart:
+ * across the overflow of a counter (*wrapped is set) if one explains it, else the time that passed
+ * by the arrivals [count]. */
 static double step_across_restart(double was, double now, double passed,
                                   const struct clock_steps *steps, bool *wrapped)
 {
@@ -203,6 +205,8 @@ bool clock_mend(const struct arrivals *a, bool trusted, struct arena *arena, dou
     return true;
 }
 
+/* Counts the lines lost between times that rise: gaps of several usual steps, less the lines that
+ * came, except at restarts and pauses. Sets *known to false, and returns 0, if steps are uneven. */
 size_t clock_lost(const struct arrivals *a, const double *t, const bool *is_restart,
                   double *scratch, bool *known)
 {

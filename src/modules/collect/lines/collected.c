@@ -36,6 +36,8 @@ static bool is_plain(struct text line, size_t i, size_t *len)
     return plain;
 }
 
+/* Appends a line with its arrival [s] to the text of the file: bytes that are no text as \xHH, what
+ * exceeds COLLECTED_LINE bytes cut off with a mark. */
 void collected_put(struct buffer *file, double arrival, struct text line)
 {
     while (line.len > 0 && line.data[line.len - 1] == '\r')

@@ -109,6 +109,7 @@ static void update_known_times(struct lengthening *growth, struct recording *rec
     recording->cleaned = false;
 }
 
+/* Begins the growth of a recording that was read completely. Returns false if out of memory. */
 bool growth_begin(struct lengthening *growth, struct recording *recording)
 {
     const size_t last = recording->rows - 1;

@@ -24,6 +24,7 @@
 #define GROWTH_MS 20 /* [ms] interval between looks at a file that grows */
 #define FEED_CHUNK_BYTES 65536u
 
+/* A feed: state shared by its thread and the session. */
 struct feed {
     struct device device;
     /* descriptor of the file, and a pipe that ends the thread */

@@ -231,6 +231,8 @@ static bool sensor_send_lines(struct sensor *sensor, int *failure)
     return ok;
 }
 
+/* Runs the simulated sensor until its end, an interrupt or a closed pipe. Returns the exit status.
+ */
 int simulate_sensor(struct session *session, const char *const *word, int words,
                     struct reply *reply)
 {

@@ -14,6 +14,7 @@
 /* variables (position and velocity), and most stages of such a method */
 enum { N = 2, IMPLICIT_STAGES = 3 };
 
+/* Loops over the lanes l. */
 #define EACH_LANE for (int l = 0; l < LANE_COUNT; l++)
 
 /* Work memory of a stage: the implicit step over h from y has the increment z and the result sum;

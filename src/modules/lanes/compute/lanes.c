@@ -125,6 +125,7 @@ struct lanes *lanes_create(void)
     return calloc(1, sizeof(struct lanes));
 }
 
+/* Frees the lanes; NULL is allowed. */
 void lanes_destroy(struct lanes *lanes)
 {
     if (lanes) {

@@ -444,8 +444,8 @@ static bool is_classical(const struct lanes *lanes)
            w[3].stage[0] == 2;
 }
 
-/* Makes steps by the kernel of the system's shape. Returns false, without a step, if there is none.
- */
+/* Makes `count` steps by the kernel for the system's shape (a common combination of forces, whose
+ * kernel is compiled). Returns false, without a step, if there is none. */
 bool lanes_march_shape(struct lanes *lanes, int64_t count, double *row)
 {
     const struct system *system = lanes->system[0];
@@ -455,6 +455,8 @@ bool lanes_march_shape(struct lanes *lanes, int64_t count, double *row)
     struct lane_drive *const drive = &lanes->drive;
     if (!kernel)
         return false;
+    /* Kernels read the cosines of a drive from memory; they are computed for as many steps as there
+     * is room. */
     drive->own = lanes->own;
     drive->places = splitting ? splitting->count : 4;
     drive->c1 = NULL;

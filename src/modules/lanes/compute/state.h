@@ -40,6 +40,7 @@ struct lane_time {
  * fail. */
 static const double lane_shortest_of_time = 1e-12, lane_shortest = 1e-300, lane_farthest = 1e100;
 
+/* Controllers of adaptive lanes. */
 struct lane_control {
     /* [s] end, and the fraction of the time since the start below which a step is too short */
     double t_end, creep;
@@ -65,6 +66,7 @@ struct driven_by {
 /* Cosines of the drive at the stages of coming steps; an index counts the stages of all these
  * steps. */
 enum { DRIVE_VALUES = 1 << 15, DRIVE_ROWS = 64 };
+/* Stored cosines of the drive. */
 struct lane_drive {
     bool own;
     int rows, places;

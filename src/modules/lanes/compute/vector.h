@@ -14,6 +14,7 @@
 #pragma GCC diagnostic ignored "-Wpsabi" /* all of them are inlined */
 #endif
 
+/* lanes in a vector */
 enum { WIDE = 4 };
 
 typedef double four __attribute__((vector_size(8 * WIDE), aligned(8), may_alias));

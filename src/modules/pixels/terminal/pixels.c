@@ -19,6 +19,7 @@
 
 #include <readline/readline.h>
 
+/* The three questions: kitty's graphics, name, attributes. */
 #define GRAPHICS_QUERY "\033_Gi=31,s=1,v=1,a=q,t=d,f=24;AAAA\033\\\033[>q\033[c"
 #define PATIENCE_NS 1000000000 /* [ns] time to wait for answers, enough for a slow link */
 #define LATE_MS 100            /* [ms] largest time between two bytes of an answer */
