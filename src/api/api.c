@@ -194,6 +194,7 @@ const char *hooke_column_unit(const struct hooke_table *table, size_t index)
     return index < hooke_columns(table) ? table->column[index].unit : NULL;
 }
 
+/* Returns the column of that name, or NULL. */
 static const struct taken_column *taken_column_find(const struct hooke_table *table,
                                                     const char *name)
 {
@@ -217,6 +218,8 @@ const char *hooke_text(const struct hooke_table *table, const char *name, size_t
 
 /* ---- sessions ---- */
 
+/* Creates a session whose output, messages and errors are kept in the struct. Returns NULL if out
+ * of memory. */
 struct hooke *hooke_open(unsigned flags)
 {
     struct hooke *hooke = calloc(1, sizeof *hooke);
@@ -278,6 +281,8 @@ void hooke_cancel(struct hooke *hooke)
         atomic_store(&hooke->cancel.requested, 1);
 }
 
+/* Sets value and uncertainty [SI] of a name of expressions. Returns 0 if it has no value at
+ * present. */
 int hooke_value(const struct hooke *hooke, const char *name, double *value, double *uncertainty)
 {
     struct named_value named = {.error_floor = 0};

@@ -38,6 +38,7 @@ static int open_file(struct writer *writer, struct write_policy policy, mode_t m
     return -1;
 }
 
+/* Opens a file for appending; see file.h. A struct writer serves only to check the path. */
 int append_open(const char *path, struct write_policy policy, unsigned mode, struct error *error)
 {
     struct writer writer = {.fd = -1, .folder = -1, .path = strdup(path)};
@@ -52,6 +53,8 @@ int append_open(const char *path, struct write_policy policy, unsigned mode, str
     return fd;
 }
 
+/* Locks the whole file; with wait it tries for LOCK_NS. Returns false if another process holds it,
+ * or after Ctrl-C. */
 bool file_lock(int fd, bool wait)
 {
     const struct timespec interval = {.tv_nsec = LOCK_NS / LOCK_ATTEMPTS};
@@ -109,6 +112,7 @@ static int file_append(int fd, struct text lines, bool sync, struct stat *status
     return number == 0 && sync ? file_synced(fd) : number;
 }
 
+/* Appends lines completely or not at all. Returns false with the error set. */
 bool append_lines(int fd, struct text lines, bool sync, struct error *error)
 {
     struct stat status = {.st_size = 0};

@@ -16,6 +16,7 @@ struct arena_block {
     max_align_t data[];
 };
 
+/* Returns a block with size bytes of data, or NULL if out of memory. */
 static struct arena_block *block_create(size_t size)
 {
     struct arena_block *block = malloc(sizeof *block + size);
@@ -56,6 +57,7 @@ void *arena_array(struct arena *arena, size_t count, size_t size)
     return __builtin_mul_overflow(count, size, &total) ? NULL : arena_alloc(arena, total);
 }
 
+/* Returns a copy of the text as a string, or NULL if out of memory. */
 char *arena_text(struct arena *arena, struct text text)
 {
     char *copy = arena_alloc(arena, text.len + 1);

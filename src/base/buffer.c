@@ -33,6 +33,7 @@ static bool buffer_make_room(struct buffer *buffer, size_t extra)
     return true;
 }
 
+/* Appends text and keeps a NUL behind it. */
 void buffer_put(struct buffer *buffer, struct text text)
 {
     if (!buffer_make_room(buffer, text.len))
@@ -91,6 +92,7 @@ void buffer_format(struct buffer *buffer, const char *format, ...)
     va_end(args);
 }
 
+/* Empties the buffer and keeps its memory; also clears the mark of a failure. */
 void buffer_clear(struct buffer *buffer)
 {
     buffer->len = 0;
@@ -119,6 +121,7 @@ const char *buffer_view(const struct buffer *buffer)
     return buffer->data ? buffer->data : "";
 }
 
+/* Appends bytes in base64, four digits for three bytes, padded by '='. */
 void buffer_base64(struct buffer *output, struct text bytes)
 {
     static const char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";

@@ -34,6 +34,7 @@ static bool row_is(const struct row *row, struct text name)
     return false;
 }
 
+/* Returns the row with that name or alias, or NULL. */
 const struct row *catalog_find(const struct catalog *catalog, struct text name)
 {
     for (size_t i = 0; i < catalog->count; i++)
@@ -60,6 +61,8 @@ const struct row *catalog_prefix(const struct catalog *catalog, struct text name
     return found;
 }
 
+/* Returns true, with an error that gives the reason, if the name is that of a row which this build
+ * lacks. */
 bool catalog_absent(const struct catalog *catalog, struct text name, struct error *error)
 {
     for (size_t i = 0; i < catalog->absences; i++) {
@@ -159,6 +162,7 @@ void suggestion_offer(struct suggestion *suggestion, const char *name)
     suggestion->count += suggestion->count < max;
 }
 
+/* Adds the candidates to the error as a question, if there are any. */
 void suggestion_hint(const struct suggestion *suggestion, struct error *error)
 {
     const char(*name)[sizeof suggestion->name[0]] = suggestion->name;

@@ -4,6 +4,7 @@
 
 #include <time.h>
 
+/* Returns the processor time [ns] of this thread. */
 int64_t clock_cpu_ns(void)
 {
     struct timespec now;
@@ -11,6 +12,7 @@ int64_t clock_cpu_ns(void)
     return (int64_t)now.tv_sec * 1000000000 + now.tv_nsec;
 }
 
+/* Returns monotonic time [ns]. */
 int64_t clock_ns(void)
 {
     struct timespec now;

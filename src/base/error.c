@@ -37,6 +37,7 @@ static PRINTF_LIKE(3, 0) void error_format(struct error *error, enum error_code 
     drop_partial(error->text, sizeof error->text);
 }
 
+/* Sets an error without a place. Returns false, so that callers can return the call. */
 bool error_set(struct error *error, enum error_code code, const char *format, ...)
 {
     va_list args;
@@ -46,6 +47,7 @@ bool error_set(struct error *error, enum error_code code, const char *format, ..
     return false;
 }
 
+/* Sets an error of a command at the place `where` in the line. Returns false. */
 bool error_at(struct error *error, struct text where, const char *format, ...)
 {
     va_list args;
@@ -74,6 +76,7 @@ bool error_hint(struct error *error, const char *format, ...)
     return false;
 }
 
+/* Adds the usage of a command as a hint. Returns false. */
 bool error_usage(struct error *error, const char *usage)
 {
     error_hint(error, "usage: %s", usage);
@@ -86,6 +89,7 @@ bool error_memory(struct error *error)
     return error_set(error, ERROR_COMMAND, "out of memory: nothing was changed");
 }
 
+/* Returns the name of the code for JSON and for the API. */
 const char *error_name(enum error_code code)
 {
     static const char *const names[] = {"none", "command", "usage", "numerical", "io"};
@@ -94,6 +98,7 @@ const char *error_name(enum error_code code)
     return (size_t)code < COUNT_OF(names) ? names[code] : "unknown";
 }
 
+/* Returns the system's message for an errno in English, whatever the locale. */
 const char *system_message(int number)
 {
     /* The "C" locale is static in the C library: nothing is allocated, nothing has to be freed. */

@@ -20,6 +20,8 @@ size_t field_begin(struct buffer *output, const char *name)
     return begun;
 }
 
+/* Fills in the length [byte] of the field that begun = field_begin() started. Fails if it exceeds
+ * 32 bits. */
 void field_end(struct buffer *output, size_t begun)
 {
     if (output->failed)
@@ -30,6 +32,7 @@ void field_end(struct buffer *output, size_t begun)
     memcpy(output->data + begun, &len, sizeof len);
 }
 
+/* Writes a field with this value. */
 void field_text(struct buffer *output, const char *name, struct text value)
 {
     const size_t begun = field_begin(output, name);
@@ -78,6 +81,7 @@ bool field_next(struct text *text, struct text *name, struct text *value)
     return true;
 }
 
+/* Finds a field by name. Returns false if the text lacks it or is damaged before it. */
 bool field_find(struct text text, const char *name, struct text *value)
 {
     struct text found;
@@ -87,6 +91,8 @@ bool field_find(struct text text, const char *name, struct text *value)
     return false;
 }
 
+/* Copies a field of exactly this length to target. Returns false, with target unchanged, for
+ * others. */
 bool field_get(struct text text, const char *name, void *target, size_t bytes)
 {
     struct text value;
@@ -139,6 +145,7 @@ static bool value_is_allowed(const struct field *field, struct text value)
     return allowed;
 }
 
+/* Returns true if all members of object are valid values of their fields. */
 bool fields_sound(const struct field *field, size_t count, const void *object)
 {
     bool all = true;
@@ -183,6 +190,8 @@ static bool field_read(struct text source, const struct field *field, void *obje
     return true;
 }
 
+/* Copies all fields into the members of object. Returns false at the first one that is missing or
+ * invalid. */
 bool fields_get(struct text text, const struct field *field, size_t count, void *object)
 {
     bool all = true, found;
@@ -191,6 +200,8 @@ bool fields_get(struct text text, const struct field *field, size_t count, void 
     return all;
 }
 
+/* Copies the fields that the file has; others keep their values. Returns false if one is
+ * invalid. */
 bool fields_get_known(struct text text, const struct field *field, size_t count, void *object)
 {
     bool ok = true, found;
@@ -201,6 +212,7 @@ bool fields_get_known(struct text text, const struct field *field, size_t count,
 
 /* ---- arrays that are counted by names ---- */
 
+/* Writes the names of a catalog's rows, each ended by a NUL. */
 void field_put_names(struct buffer *output, const char *name, const struct catalog *catalog)
 {
     const size_t begun = field_begin(output, name);

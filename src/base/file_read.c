@@ -149,6 +149,7 @@ static bool open_file(const char *path, int *fd, struct stat *st, struct read_wa
            fail_to_read(error, path, errno);
 }
 
+/* Sets the error for a file beyond the limit. Returns false. */
 static bool too_long(const char *path, size_t limit, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -238,6 +239,7 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch,
     return !content->failed || error_memory(error);
 }
 
+/* Restores content on failure. */
 bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
                        struct buffer *content, struct error *error)
 {

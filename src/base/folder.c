@@ -164,6 +164,7 @@ static bool folder_prepare(struct folder *folder, struct write_policy policy, st
             writer_refuse(writer, error, system_message(errno)));
 }
 
+/* Prepares a folder to be filled under a hidden name. Returns false with the error set. */
 bool folder_open(struct folder *folder, const char *path, struct write_policy policy,
                  folder_owns *own, struct error *error)
 {
@@ -180,6 +181,7 @@ bool folder_open(struct folder *folder, const char *path, struct write_policy po
 
 /* ---- filling ---- */
 
+/* Opens a new file in the folder for writing. Returns false with the error set. */
 bool folder_file_open(const struct folder *folder, const char *name, struct writer *file,
                       struct error *error)
 {
@@ -199,6 +201,7 @@ bool folder_file_open(const struct folder *folder, const char *name, struct writ
     return false;
 }
 
+/* Writes a file of the folder. Returns false with the error set. */
 bool folder_put(struct folder *folder, const char *name, struct text content, struct error *error)
 {
     struct writer file;
@@ -255,6 +258,8 @@ static int folder_publish(struct folder *folder, bool exists)
     return number;
 }
 
+/* Syncs the folder, gives it its name, and removes an old one. Returns false with the error set;
+ * closes in every case. */
 bool folder_commit(struct folder *folder, struct error *error)
 {
     struct writer *writer = &folder->writer;
@@ -278,6 +283,8 @@ bool folder_commit(struct folder *folder, struct error *error)
     return done;
 }
 
+/* Closes the folder and removes what still has a hidden name; may be called for one that is not
+ * open. */
 void folder_abandon(struct folder *folder)
 {
     if (!folder->writer.path) /* not open, or all zeros */

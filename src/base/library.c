@@ -6,6 +6,8 @@
 #include <dlfcn.h>
 #include <string.h>
 
+/* Loads a library and looks up its symbols in the table. Returns false if it is missing, or lacks
+ * the symbol *missing. */
 bool library_load(struct library *library, const char *name, const struct library_symbol *symbol,
                   size_t count, void *table, const char **missing)
 {

@@ -189,6 +189,7 @@ static double scanned_magnitude(struct text text, const struct scanned *s)
 #endif
 }
 
+/* Reads the longest number at the start of text, of *used bytes. */
 enum real_status real_scan(struct text text, char decimal, double *value, size_t *used)
 {
     struct scanned s;

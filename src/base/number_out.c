@@ -8,6 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Returns the bits of the value. */
 static uint64_t bits_of(double value)
 {
     uint64_t bits;
@@ -132,6 +133,7 @@ static struct decimal shortest_by_trying(double value)
     return decimal_rounded(value, 17);
 }
 
+/* Uses exact integers for usual values, else trial; the sign is added last. */
 struct decimal decimal_shortest(double value)
 {
     const double size = fabs(value);
@@ -162,6 +164,7 @@ static char *decimal_digits(char *end, uint64_t n)
     return end;
 }
 
+/* Writes the exponent without a '+'. */
 char *decimal_power(char *cursor, int exponent)
 {
     char digits[20], *const end = digits + sizeof digits;
@@ -245,6 +248,8 @@ void buffer_real(struct buffer *buffer, double value)
     buffer_put(buffer, (struct text){z, len});
 }
 
+/* Appends value with at most `digits` significant digits; any other number than 1 to 17 gives the
+ * shortest decimal. */
 void buffer_short(struct buffer *buffer, double value, int digits)
 {
     if (digits < 1 || digits > 17) {
@@ -258,6 +263,7 @@ void buffer_short(struct buffer *buffer, double value, int digits)
     buffer_put(buffer, (struct text){z, len});
 }
 
+/* Appends a phase as degrees, to a tenth, with whole turns separately. */
 void buffer_phase(struct buffer *buffer, double radians)
 {
     /* rounded to a tenth */

@@ -85,6 +85,7 @@ bool sort_values(double *values, size_t n, double *scratch, const struct cancel 
     return true;
 }
 
+/* Returns the index of the first of the ascending values that is >= x, or n. */
 size_t first_from(const double *ascending, size_t n, double x)
 {
     size_t low = 0, high = n;
@@ -107,6 +108,8 @@ double random_fraction(uint64_t *state)
     return (double)((z ^ (z >> 31)) >> 11) * 0x1p-53;
 }
 
+/* Computes l with a = l l^T for the first n rows and columns of matrices with rows of length width.
+ * Returns false if a pivot is not above independent times its diagonal element. */
 bool matrix_cholesky(int n, int width, const double *a, double independent, double *l)
 {
     for (int i = 0; i < n; i++) {
@@ -123,6 +126,7 @@ bool matrix_cholesky(int n, int width, const double *a, double independent, doub
     return true;
 }
 
+/* Replaces x by the solution of l x' = x. */
 void cholesky_forward(int n, int width, const double *l, double *x)
 {
     for (int i = 0; i < n; i++) {
@@ -132,6 +136,7 @@ void cholesky_forward(int n, int width, const double *l, double *x)
     }
 }
 
+/* Replaces x by the solution of l^T x' = x. */
 void cholesky_backward(int n, int width, const double *l, double *x)
 {
     for (int i = n - 1; i >= 0; i--) {
@@ -174,6 +179,7 @@ void matrix_multiply(int n, const double *a, const double *b, double *product)
         multiply_inline(n, a, b, product);
 }
 
+/* Returns the largest sum of absolute values in a row. */
 double matrix_norm(int n, const double *a)
 {
     double max = 0;

@@ -18,6 +18,7 @@ static const struct {
     {0xFFF0, 0xFFFB}, {0x1BCA0, 0x1BCA3}, {0x1D173, 0x1D17A}, {0xE0000, 0xE0FFF},
 };
 
+/* Returns true for hidden code points and for the noncharacters U+xxFFFE and U+xxFFFF. */
 bool codepoint_hidden(uint32_t codepoint)
 {
     if ((codepoint & 0xFFFE) == 0xFFFE)

@@ -20,6 +20,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r' || c == '\n';
 }
 
+/* Returns the text without its first count bytes and the blanks that follow. */
 struct text text_behind(struct text text, size_t count)
 {
     struct text rest = {text.data + count, text.len - count};
@@ -90,6 +91,7 @@ bool next_statement(struct text *line, struct text *statement, struct error *err
     return true;
 }
 
+/* Returns the word at the start of text, which ends at a blank, ';', a string or one of stops. */
 struct text peek_word(struct text text, const char *stops)
 {
     size_t i = 0;
@@ -99,6 +101,7 @@ struct text peek_word(struct text text, const char *stops)
     return (struct text){text.data, i};
 }
 
+/* Returns the name at the start of text; a hyphen belongs to it if a letter follows. */
 struct text peek_name(struct text text)
 {
     size_t i = 0;

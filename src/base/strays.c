@@ -23,6 +23,8 @@
 /* Index of the mark in a name; the base name follows it. */
 #define STRAY_MARK_INDEX (PREFIX_LEN + STRAY_HEX_DIGITS)
 
+/* Makes a hidden name from random digits, the mark and base. Returns false if the system has no
+ * random numbers. */
 bool stray_name(char name[STRAY_NAME_SIZE], const char *base, char mark)
 {
     uint32_t random;
@@ -57,6 +59,7 @@ static int name_status(int folder, const char *name, int fd)
     return opened.st_dev == named.st_dev && opened.st_ino == named.st_ino ? NAME_KEPT : NAME_LOST;
 }
 
+/* Locks the file and checks that it still has its name; another program may be removing it. */
 bool stray_is_held(int folder, const char *name, int fd)
 {
     if (!file_lock(fd, false) && errno == EWOULDBLOCK) /* it is being removed */
@@ -108,6 +111,7 @@ static void sweep_stray(int folder, const char *name)
     close(fd);
 }
 
+/* Removes abandoned hidden files of the folder. */
 void strays_sweep(int folder)
 {
     const int list_fd = openat(folder, ".", O_RDONLY | O_DIRECTORY | O_CLOEXEC);

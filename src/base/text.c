@@ -34,6 +34,7 @@ static bool is_blank(char c)
     return c == ' ' || c == '\t' || c == '\r';
 }
 
+/* Returns the part of a path behind its last '/'. */
 struct text text_last_component(struct text path)
 {
     size_t begin = path.len;
@@ -42,6 +43,8 @@ struct text text_last_component(struct text path)
     return text_after(path, begin);
 }
 
+/* Returns the ending of a file name without its dot, or an empty text; a leading dot is no
+ * ending. */
 struct text text_ending(struct text path)
 {
     const struct text name = text_last_component(path);

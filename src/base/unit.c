@@ -111,6 +111,7 @@ const char *quantity_name(enum quantity quantity)
     return quantities[quantity].name;
 }
 
+/* Returns how often a position or angle is differentiated to give this quantity, or -1. */
 int quantity_order(enum quantity quantity)
 {
     switch (quantity) {
@@ -146,6 +147,7 @@ static double value_in_si(double number, double factor)
                                                              : number * factor;
 }
 
+/* Converts also between frequency and angular frequency, by 2 pi. */
 bool unit_convert(const struct unit *unit, enum quantity wanted, double number, double *si)
 {
     const double value = value_in_si(number, unit->factor);
@@ -239,6 +241,7 @@ static bool shown_exactly(double value, const struct unit *unit, char output[REA
            unit_convert(unit, unit->quantity, number, &si) && si == value;
 }
 
+/* Appends a value with the unit that suits it; if that is not exact with 0 digits, in SI. */
 void buffer_quantity(struct buffer *buffer, double value, enum quantity quantity, int digits)
 {
     const struct unit *unit = unit_display(quantity, value);

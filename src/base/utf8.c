@@ -47,6 +47,7 @@ int text_width(struct text text)
     return width;
 }
 
+/* Appends words separated by blanks, or by newlines where a line would exceed the width. */
 void buffer_folded(struct buffer *buffer, struct text text, int width)
 {
     struct text word;

@@ -130,6 +130,7 @@ static bool ranges_contain(const struct range *ranges, size_t count, uint32_t co
     return low < count && codepoint >= ranges[low].first;
 }
 
+/* Returns 0, 1 or 2 columns; control characters take none. */
 int codepoint_width(uint32_t codepoint)
 {
     if (codepoint < 0x300)

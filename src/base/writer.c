@@ -60,6 +60,8 @@ static bool folder_is_below_here(int folder)
     return is_below;
 }
 
+/* Opens the folder of the path, checks that it is below the current one if confine is set, and
+ * removes strays in it. Returns false with the error set. */
 bool writer_open_folder(struct writer *writer, bool confine, struct error *error)
 {
     char *slash = strrchr(writer->path, '/');
@@ -164,6 +166,7 @@ static bool writer_prepare(struct writer *writer, bool confine, struct error *er
     return is_open;
 }
 
+/* Opens a temporary file for the path. Returns false with the error set. */
 bool writer_open(struct writer *writer, const char *path, struct write_policy policy,
                  struct error *error)
 {
@@ -180,6 +183,7 @@ bool writer_open(struct writer *writer, const char *path, struct write_policy po
 
 /* ---- writing ---- */
 
+/* Writes all of *text, also after signals and partial writes. Returns 0 or an errno. */
 int file_put(int fd, struct text *text)
 {
     while (text->len > 0) {
@@ -210,6 +214,7 @@ static void writer_flush(struct writer *writer)
     writer->used = 0;
 }
 
+/* Collects small texts in the chunk and writes large ones directly. */
 void writer_put(struct writer *writer, struct text text)
 {
     if (text.len > WRITER_CHUNK - writer->used)
@@ -224,6 +229,7 @@ void writer_put(struct writer *writer, struct text text)
 
 /* ---- putting in place: each step returns 0 or an errno ---- */
 
+/* Waits until the file is on the disk. Returns 0 or an errno. */
 int file_synced(int fd)
 {
     int result;
@@ -319,6 +325,7 @@ bool writer_commit(struct writer *writer, struct error *error)
     return done;
 }
 
+/* Opens, writes and commits a file. Returns false with the error set. */
 bool file_write(const char *path, struct text content, struct write_policy policy,
                 struct error *error)
 {
@@ -329,6 +336,7 @@ bool file_write(const char *path, struct text content, struct write_policy polic
     return writer_commit(&writer, error);
 }
 
+/* Closes the writer and removes its temporary file; may be called for one that is not open. */
 void writer_abandon(struct writer *writer)
 {
     if (!writer->path) /* not open, or all zeros: 0 would be the descriptor of somebody else */

@@ -90,6 +90,7 @@ static void put_setting(const struct session *session, struct text name, struct 
         put_use(SETTING_HINT, name, text);
 }
 
+/* Returns true if `where` contains the word, in upper or lower case. */
 bool text_mentions(const char *where, struct text word)
 {
     for (const char *cursor = where; cursor && *cursor; cursor++)
@@ -317,6 +318,7 @@ static void explain_word(const struct session *session, struct text statement, s
     buffer_free(&text);
 }
 
+/* Explains only errors of commands whose place is in the statement. */
 void explain_unknown(const struct session *session, struct text statement, struct error *error)
 {
     const struct text where = error->where;

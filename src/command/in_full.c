@@ -4,6 +4,7 @@
 
 #include <string.h>
 
+/* Looks for a FILE that was given and for the option --force among the command's arguments. */
 bool writes_file(const struct arguments *arguments)
 {
     const struct command *command = arguments->command;

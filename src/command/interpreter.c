@@ -395,6 +395,7 @@ static bool exec_line(struct session *session, struct text line, const struct so
     return ok;
 }
 
+/* Executes a line; a line that is typed during a run or by a script inside it is nested. */
 bool command_exec(struct session *session, struct text line, const struct source *where,
                   struct reply *reply)
 {

@@ -28,6 +28,8 @@ static struct text behind_sign(struct text statement)
     return found;
 }
 
+/* Sets an error with the possible endings of tables, or the module that is missing. Returns
+ * false. */
 bool refuse_ending(struct text file, struct error *error)
 {
     struct buffer list = {0};
@@ -92,6 +94,7 @@ static bool read_file(struct text rest, struct redirect *redirect)
     return redirect->file.len > 0 && (left.len == 0 || redirect->force);
 }
 
+/* Leaves redirect->file empty unless the ending names a table format or a picture. */
 void redirect_take(const struct command *command, struct text *statement, struct redirect *redirect)
 {
     const struct text rest = behind_sign(*statement);
@@ -107,6 +110,7 @@ void redirect_take(const struct command *command, struct text *statement, struct
     statement->len = (size_t)(rest.data - 1 - statement->data);
 }
 
+/* Replaces the error of a statement that could not be read because its file has another ending. */
 void redirect_explain(const struct command *command, struct text statement, struct error *error)
 {
     const struct text rest = behind_sign(statement);
@@ -125,6 +129,7 @@ void redirect_explain(const struct command *command, struct text statement, stru
                    command->row.name, command->row.name);
 }
 
+/* Opens the file before anything is computed. Returns false with the error set. */
 bool redirect_open(const struct session *session, struct redirect *redirect, struct arena *arena,
                    struct error *error)
 {
@@ -144,6 +149,7 @@ void redirect_put_plot(const struct redirect *redirect, struct buffer *statement
                   redirect->file.data, quote, redirect->force ? " --force" : "");
 }
 
+/* Writes the result as a table, or abandons the file. Returns false with the error set. */
 bool redirect_finish(struct session *session, struct redirect *redirect,
                      const struct row *table_row, struct reply *reply, struct error *error)
 {

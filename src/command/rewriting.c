@@ -216,6 +216,7 @@ static bool put_command(struct text statement, struct buffer *text)
     return true;
 }
 
+/* Tries each translation in turn. Returns false if none fits. */
 bool put_rewritten(const struct session *session, struct text statement, struct buffer *text)
 {
     return put_start(session, statement, text) || put_equation(statement, text) ||
@@ -223,6 +224,7 @@ bool put_rewritten(const struct session *session, struct text statement, struct 
            put_assignment(session, statement, text);
 }
 
+/* Suggests param in equations, with the value of a variable of let if there is one, else let. */
 void put_named(const struct session *session, bool law, struct text name, struct buffer *text)
 {
     const struct setup *setup = &session->setup;

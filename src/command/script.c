@@ -42,6 +42,8 @@ static void script_line_show(const struct session *session, struct text line, st
     buffer_free(&safe);
 }
 
+/* Adds a line to the pending one, or executes it if it is complete. Returns false if the script has
+ * stopped. */
 bool script_feed(struct script *script, struct session *session, struct text line,
                  struct reply *reply)
 {
@@ -84,6 +86,8 @@ static void put_runs_left(const struct session *session, struct buffer *text)
                       session->runs.slot[session->runs.count - 1]->run->number);
 }
 
+/* Executes what is pending and, for the outermost script, tells where it stopped. Returns true if
+ * every command succeeded. */
 bool script_end(struct script *script, struct session *session, struct reply *reply)
 {
     if (script->pending.len > 0 && !script->stopped && !session->execution.quit)
@@ -159,6 +163,7 @@ static bool check_content(const char *path, struct text content, struct error *e
                      "%s: line %d contains a NUL byte, so this is not a command file", path, line);
 }
 
+/* Executes the lines of a file. Returns false after an error, which has been reported. */
 bool script_file(struct session *session, const char *path, const struct source *parent,
                  struct reply *reply)
 {

@@ -29,6 +29,7 @@ static bool rest_has_full(const struct argument_value *value)
     return false;
 }
 
+/* Returns true if --full was given, as an option or in the rest of the line. */
 bool asks_full(const struct arguments *arguments)
 {
     const struct command *command = arguments->command;
@@ -43,6 +44,7 @@ bool asks_full(const struct arguments *arguments)
     return false;
 }
 
+/* Returns the rows [row] of an answer that fits below the typed line. */
 int answer_rows(const struct session *session)
 {
     enum { BESIDE = 2 /* the prompt, and the line that was typed */, MIN = 8 };
@@ -51,6 +53,7 @@ int answer_rows(const struct session *session)
     return height - BESIDE > MIN ? height - BESIDE : MIN;
 }
 
+/* Returns the rows that the text takes on a screen of this width [cell]. */
 int text_rows(struct text text, int width)
 {
     struct text line;
@@ -84,6 +87,7 @@ static bool hold_message(void *context, struct text text)
     return true;
 }
 
+/* Replaces the sinks of the reply if the command has a short form. */
 void short_form_begin(struct short_form *form, const struct session *session,
                       const struct arguments *arguments, struct reply *reply)
 {

@@ -73,6 +73,7 @@ static bool put_others(const struct command *command, struct text word, bool as_
     return count > 0;
 }
 
+/* Looks at the command itself first, then at other commands, by name and then by choice. */
 bool put_takers(const struct command *command, struct text word, enum argument_form form, int most,
                 struct buffer *text)
 {

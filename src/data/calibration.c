@@ -67,6 +67,7 @@ bool calibration_make(const double value[4], const struct unit *const unit[4],
     return true;
 }
 
+/* Appends READ1 TRUE1 READ2 TRUE2 with units, or off. */
 void calibration_put(const struct calibration *calibration, struct buffer *text)
 {
     if (!calibration->known) {
@@ -81,6 +82,7 @@ void calibration_put(const struct calibration *calibration, struct buffer *text)
     }
 }
 
+/* Reads what calibration_put() wrote; other text clears the calibration. */
 void calibration_take_line(struct text line, struct calibration *calibration)
 {
     double value[4];

@@ -268,6 +268,7 @@ static void fit_rounded(const struct stamps *s, struct even_times *result)
     }
 }
 
+/* Starts with the mean step, then tests if the stamps are even, exactly or after rounding. */
 void even_times_find(const double *t, const double *y, size_t n, const struct cancel *cancel,
                      struct even_times *result)
 {

@@ -11,6 +11,7 @@
 /* [standard deviation] Differences beyond this are spikes and not counted as noise. */
 #define NOISE_OUTLIER_SIGMAS 6.0
 
+/* Returns the part of the series within [t_begin, t_end], which shares its memory. */
 struct series series_window(struct series series, double t_begin, double t_end)
 {
     size_t first = first_from(series.t, series.n, t_begin),
@@ -54,6 +55,7 @@ static bool use_even_times(struct samples *samples, const struct even_times *eve
     return t != NULL;
 }
 
+/* Returns true if more than a tenth of the steps are far shorter than the mean step. */
 bool series_is_uneven(const struct series *s)
 {
     static const double short_step = 0.05, short_share_max = 0.1;

@@ -14,6 +14,7 @@ static bool variables_alike(struct variable a, struct variable b)
     return strcmp(a.name, b.name) == 0 && a.quantity == b.quantity;
 }
 
+/* Returns true if both models have the same variables and observations in the same order. */
 bool models_alike(const struct model *a, const struct model *b)
 {
     bool alike = a == b || (a->typed && b->typed && a->order == b->order && a->n == b->n &&
@@ -48,6 +49,7 @@ bool chosen_find(const struct model *model, struct text name, struct chosen_colu
     return false;
 }
 
+/* Returns name and quantity of the column. */
 struct variable chosen_variable(const struct system *system, const struct chosen_column *column)
 {
     const struct model *model = system->model;
@@ -66,6 +68,7 @@ const char *chosen_unit(const struct system *system, const struct chosen_column 
                               : quantity_unit(chosen_variable(system, column).quantity);
 }
 
+/* Computes the column over all recorded rows. Returns false with the error set. */
 bool chosen_values(const struct run *run, const struct chosen_column *column, double *values,
                    struct error *error)
 {

@@ -95,6 +95,8 @@ const struct events *events_with(struct session *session, const struct event_lin
     return NULL;
 }
 
+/* Makes a new list without the line; *left is NULL if nothing remains. Returns false with the error
+ * set. */
 bool events_without(struct session *session, struct text name, const struct events **left,
                     struct error *error)
 {
@@ -117,6 +119,7 @@ bool events_without(struct session *session, struct text name, const struct even
     return true;
 }
 
+/* Frees the list and all older ones. */
 void events_destroy(struct events *events)
 {
     while (events) {
@@ -145,6 +148,7 @@ void event_describe(const struct event_line *line, bool as_stop, struct buffer *
     buffer_char(text, raw ? '\'' : '"');
 }
 
+/* Appends the events as commands, a line each. */
 void events_save(const struct events *events, bool as_stop, struct buffer *text)
 {
     for (int i = 0; events && i < events->count; i++) {
@@ -153,6 +157,7 @@ void events_save(const struct events *events, bool as_stop, struct buffer *text)
     }
 }
 
+/* Appends the line of `plan` about events. */
 void events_plan(const struct events *events, struct buffer *text)
 {
     if (!events)
@@ -166,6 +171,7 @@ void events_plan(const struct events *events, struct buffer *text)
 
 /* ---- events of runs ---- */
 
+/* Compiles all events into the arena. Returns false with an error that names the event. */
 bool events_compile(const struct events *events, const struct expr_scope *scope,
                     struct arena *arena, const struct event **event, int *count,
                     struct error *error)
@@ -213,6 +219,7 @@ int events_stopped_at(const struct run_slot *slot, const struct event_line *stop
     return count;
 }
 
+/* Cuts a final `continue` off the commands and reports it in *passes. */
 struct text event_commands(struct text commands, bool *passes)
 {
     struct text rest = commands, statement;

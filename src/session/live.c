@@ -150,6 +150,7 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
     live_refresh(session);
 }
 
+/* Sets the state and the marks of changes by the current run. */
 void live_refresh(struct session *session)
 {
     struct live *live = &session->live;
@@ -176,6 +177,8 @@ static bool same_scene(const struct model *a, const struct model *b)
            (base ? base == typed_base(b) : !typed_base(b) && strcmp(a->row.name, b->row.name) == 0);
 }
 
+/* Takes the changed parameter over into the run, with a request in its journal. Returns false with
+ * the error set. */
 bool live_bind(struct session *session, int param, double *t_start, struct error *error)
 {
     struct run *run = session_run(session);
@@ -236,6 +239,8 @@ bool live_bind(struct session *session, int param, double *t_start, struct error
     return true;
 }
 
+/* Changes a variable of the run's state, with a request in its journal. Returns false with the
+ * error set. */
 bool live_kick(struct session *session, int variable, double value, struct error *error)
 {
     struct run *run = session_run(session);
@@ -254,6 +259,7 @@ bool live_kick(struct session *session, int variable, double value, struct error
     return false;
 }
 
+/* Appends " from t = 3.2 s on", or nothing if t_start is NAN. */
 void buffer_since(struct buffer *text, double t_start)
 {
     if (isnan(t_start))

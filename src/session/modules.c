@@ -23,6 +23,7 @@ const char *const module_left_out[] = {
     NULL,
 };
 
+/* Appends a line with the modules of this build. */
 void modules_put(struct buffer *text)
 {
     buffer_put(text, TEXT("modules  "));
@@ -31,6 +32,7 @@ void modules_put(struct buffer *text)
     buffer_put(text, module_list[0] ? TEXT("\n") : TEXT(" none\n"));
 }
 
+/* Appends the prompt's label of the first module that has one. */
 void modules_label(const struct session *session, struct buffer *text)
 {
     const size_t old_len = text->len;
@@ -81,6 +83,7 @@ void modules_forget_stopped(struct session *session)
 
 /* ---- functions that modules offer the core ---- */
 
+/* Returns the functions for series of the module that has them, or NULL. */
 const struct series_tools *series_tools(void)
 {
     size_t i = 0;
@@ -89,6 +92,7 @@ const struct series_tools *series_tools(void)
     return module_list[i] ? module_list[i]->series : NULL;
 }
 
+/* Returns the same functions; if there are none, sets an error for the command `what`. */
 const struct series_tools *series_tools_for(const char *what, struct text word, struct error *error)
 {
     const struct series_tools *tools = series_tools();
@@ -97,6 +101,7 @@ const struct series_tools *series_tools_for(const char *what, struct text word, 
     return tools;
 }
 
+/* Returns the functions for stored sessions of the module that has them, or NULL. */
 const struct store_tools *store_tools(void)
 {
     size_t i = 0;
@@ -105,6 +110,7 @@ const struct store_tools *store_tools(void)
     return module_list[i] ? module_list[i]->keeps : NULL;
 }
 
+/* Returns the writer of pictures of the module that has one, or NULL. */
 const struct picture_writer *module_pictures(void)
 {
     size_t i = 0;
@@ -115,6 +121,7 @@ const struct picture_writer *module_pictures(void)
 
 /* ---- parts of a session ---- */
 
+/* Returns what the module keeps in the session, or NULL if nothing yet. */
 void *session_part_if_made(const struct session *session, const struct module *module)
 {
     const struct session_parts *parts = session->parts;
@@ -124,6 +131,7 @@ void *session_part_if_made(const struct session *session, const struct module *m
     return NULL;
 }
 
+/* Returns what the module keeps in the session, made on the first call; NULL if out of memory. */
 void *session_part(const struct session *session, const struct module *module)
 {
     struct session_parts *parts = session->parts;

@@ -342,6 +342,7 @@ bool names_value(const struct session *session, struct text name, struct named_v
     return true;
 }
 
+/* Explains why a name has no value yet, or where it belongs. Returns false. */
 bool names_explain(const struct session *session, struct error *error)
 {
     static const struct {
@@ -371,6 +372,7 @@ bool names_explain(const struct session *session, struct error *error)
     return false;
 }
 
+/* Returns the quantity of a name, or QUANTITY_OTHER if it is unknown. */
 enum quantity name_quantity(const struct expr_scope *scope, struct text name)
 {
     int slot;
@@ -379,6 +381,7 @@ enum quantity name_quantity(const struct expr_scope *scope, struct text name)
                : QUANTITY_OTHER;
 }
 
+/* Returns true if the scene has that name, with its kind in *kind. */
 bool scene_has_name(const struct scene *scene, struct text name, const char **kind)
 {
     const struct catalog *const catalogs[] = {scene_params(scene), scene_derived(scene)};
@@ -395,6 +398,7 @@ bool scene_has_name(const struct scene *scene, struct text name, const char **ki
     return model_observation(scene->model, name) >= 0;
 }
 
+/* Returns true if a variable of let cannot have that name, with the kind of its owner in *kind. */
 bool name_is_taken(const struct session *session, struct text name, const char **kind)
 {
     const struct catalog *const catalogs[] = {&setting_catalog, &observable_catalog,

@@ -9,6 +9,7 @@
 #include <string.h>
 #include <stdlib.h>
 
+/* Appends the typed lines of the scene, each behind the prefix. */
 void scene_lines(const struct scene *scene, const char *prefix, struct buffer *text)
 {
     for (int i = 0; i < typed_lines(scene->model); i++) {
@@ -70,6 +71,7 @@ bool param_is_start(const struct scene *scene, int index)
     return effect_of(scene, index) == EFFECT_START;
 }
 
+/* Returns true if a short description of the scene includes the parameter. */
 bool param_matters(const struct scene *scene, int index)
 {
     const struct param_row *row = param_at(scene, index);
@@ -101,6 +103,7 @@ static bool model_has(const struct model *model, struct text name)
            model_variable(model, name) >= 0;
 }
 
+/* Returns the first built-in model with that name, or NULL. */
 const struct model *model_with(struct text name)
 {
     for (const struct model *const *model = scene_models; *model; model++)
@@ -126,6 +129,7 @@ enum quantity model_quantity(const struct model *model, const struct observable 
     return observable_quantity(observable, &system);
 }
 
+/* Returns the observable of that name, except y of typed models, or NULL. */
 const struct observable *model_observable(const struct model *model, struct text name)
 {
     const struct row *row =
@@ -142,6 +146,7 @@ bool model_offers(const struct model *model, const struct observable *observable
     return !(observable->needs & never) && model_observable(model, text_of(observable->row.name));
 }
 
+/* Adds a hint if the name belongs to another model. Returns false if it does not. */
 bool hint_other_model(const struct session *session, struct text name, struct error *error)
 {
     const struct scene *scene = &session->setup.scene;
@@ -160,6 +165,7 @@ const struct preset *own_scene(const struct setup *setup, struct text name)
     return NULL;
 }
 
+/* Appends "atol NAME = VALUE" of variable i. */
 void atol_describe(const struct scene *scene, int i, struct buffer *text)
 {
     const struct variable *variable = &scene->model->variable[i];
@@ -170,6 +176,7 @@ void atol_describe(const struct scene *scene, int i, struct buffer *text)
         buffer_put(text, TEXT("off"));
 }
 
+/* Appends the absolute tolerances that were set as commands, each before `end`. */
 void atol_script(const struct scene *scene, const char *end, struct buffer *text)
 {
     for (int i = 0; i < scene->model->n; i++)

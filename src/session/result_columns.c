@@ -53,6 +53,7 @@ static int64_t run_rows(const void *row)
     return (int64_t)trace_count(run_of(row)->trace);
 }
 
+/* Returns the largest energy error of the run, relative to E0. */
 static double run_energy_error(const void *row)
 {
     struct ledger ledger;
@@ -60,6 +61,7 @@ static double run_energy_error(const void *row)
     return ledger.error_max;
 }
 
+/* Returns the largest error of the run against its exact solution. */
 static double run_error(const void *row)
 {
     struct run_errors errors;

@@ -43,6 +43,7 @@ static void skip_lines(struct log *log, struct text *text)
     *text = (struct text){text->data + begin, text->len - begin};
 }
 
+/* Adds the lines of the text, of which only the last LIMIT_LOG are stored. */
 void log_add(struct log *log, struct text text)
 {
     struct text line;
@@ -89,6 +90,7 @@ struct text log_row(struct text line, size_t *offset, int width, int *indent)
     return (struct text){rest.data, end};
 }
 
+/* Returns the number of rows [row] that the line takes at that width. */
 int log_rows(struct text line, int width)
 {
     int rows = 0, indent;
@@ -108,6 +110,7 @@ int log_rows_newest(const struct log *log, int lines, int width)
     return rows;
 }
 
+/* Frees all lines. */
 void log_clear(struct log *log)
 {
     for (int i = 0; i < log->count; i++)

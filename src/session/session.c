@@ -20,6 +20,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Creates a session with the defaults of a new one. Returns NULL if out of memory. */
 struct session *session_create(const struct front *front)
 {
     /* A block that large is pages of the system, which are zero and cost nothing until they are
@@ -51,6 +52,7 @@ struct session *session_create(const struct front *front)
     return session;
 }
 
+/* Frees the session with all that it owns; NULL is allowed. */
 void session_destroy(struct session *session)
 {
     if (!session)
@@ -89,6 +91,7 @@ void session_unset_method(struct setup *setup)
 
 /* ---- runs and recordings ---- */
 
+/* Gives up one owner; the last one frees the run. */
 void run_slot_release(struct run_slot *slot)
 {
     if (--slot->references > 0)
@@ -100,6 +103,7 @@ void run_slot_release(struct run_slot *slot)
     free(slot);
 }
 
+/* Gives up one owner; the last one frees the recording. */
 void recording_slot_release(struct recording_slot *slot)
 {
     if (--slot->references > 0)
@@ -110,6 +114,8 @@ void recording_slot_release(struct recording_slot *slot)
     free(slot);
 }
 
+/* Makes the run the current one. On failure the run is destroyed, and false is returned with the
+ * error set. */
 bool session_add_run(struct session *session, struct run *run, struct error *error)
 {
     struct run_slot *slot = NULL;
@@ -149,6 +155,8 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
     return true;
 }
 
+/* Makes the recording the current one. On failure it is destroyed, and false is returned with the
+ * error set. */
 bool session_add_recording(struct session *session, struct recording *recording,
                            const char *options, struct error *error)
 {
@@ -185,6 +193,7 @@ static int index_after_drop(int current, int dropped, int count)
     return current == dropped ? count - 1 : current;
 }
 
+/* Removes a run from the list; undo may still own it. */
 void session_drop_run(struct session *session, int index)
 {
     run_slot_release(session->runs.slot[index]);
@@ -195,6 +204,7 @@ void session_drop_run(struct session *session, int index)
     session_changed(session);
 }
 
+/* Removes a recording from the list; undo may still own it. */
 void session_drop_recording(struct session *session, int index)
 {
     recording_slot_release(session->recording[index]);
@@ -206,6 +216,7 @@ void session_drop_recording(struct session *session, int index)
     session_changed(session);
 }
 
+/* Returns the index of a run by number or name, or -1. */
 int session_find_run(const struct session *session, struct text name)
 {
     double number;
@@ -247,6 +258,7 @@ void session_set_result(struct session *session, const char *name, struct measur
     snprintf(result->name, sizeof result->name, "%s", name);
 }
 
+/* Records the statement as the origin of parameters that differ from the previous scene. */
 void session_trace(struct session *session, const struct scene *previous, size_t statement)
 {
     const struct scene *scene = &session->setup.scene;
@@ -273,6 +285,7 @@ double session_first_step(const struct session *session)
     return settings->dt_chosen || !(first > 0) ? settings->dt : first;
 }
 
+/* Returns the settings of a new run; tol is 0 unless the method adapts its steps. */
 struct run_settings session_run_settings(const struct session *session)
 {
     const struct settings *settings = &session->setup.settings;
@@ -297,6 +310,7 @@ const struct charset *session_charset(const struct session *session)
     return session->front.utf8 ? &charset_braille : &charset_ascii;
 }
 
+/* Sets the size [cell] of plots: the setting, else the screen, else 80x24. */
 void session_size(const struct session *session, int *width, int *height)
 {
     const struct settings *settings = &session->setup.settings;
@@ -312,6 +326,7 @@ void session_size(const struct session *session, int *width, int *height)
 
 /* ---- text for people ---- */
 
+/* Appends scene, parameters that matter, method, and the time of the current run. */
 void session_state_line(const struct session *session, struct buffer *text)
 {
     const struct setup *setup = &session->setup;

@@ -39,6 +39,7 @@ static const struct charset_choice charset_rows[] = {
 #undef ROW
 const struct catalog charset_choice_catalog = CATALOG("charset", charset_rows);
 
+/* Returns the functions of the first character set that puts figures into words, or NULL. */
 const struct figure_words *charset_words(void)
 {
     const struct figure_words *words = NULL;
@@ -142,6 +143,7 @@ static bool parse_tol(struct settings *settings, struct text value, struct error
     return true;
 }
 
+/* Appends the tolerance that is really used if tol is below rounding. */
 void put_tol_floor(struct buffer *text, double tol)
 {
     const double floor = 10 * DBL_EPSILON;
@@ -329,6 +331,7 @@ void setting_copy(const struct setting *setting, const struct settings *source,
            setting->bytes);
 }
 
+/* Copies the settings of how results look from source. */
 void settings_display(struct settings *settings, const struct settings *source)
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
@@ -338,6 +341,7 @@ void settings_display(struct settings *settings, const struct settings *source)
     }
 }
 
+/* Sets all settings to those of a new session. */
 void session_default_settings(struct settings *settings)
 {
     *settings = (struct settings){
@@ -366,6 +370,7 @@ void setting_choose(const struct setting *setting, bool chosen, struct settings 
         *flag = chosen;
 }
 
+/* Sets duration and tolerance by the preset, unless the user has set them. */
 void settings_of_scene(struct settings *settings, const struct preset *preset)
 {
     for (size_t i = 0; i < setting_catalog.count; i++) {
@@ -377,6 +382,7 @@ void settings_of_scene(struct settings *settings, const struct preset *preset)
     }
 }
 
+/* Returns the row of the present choice, or NULL if the setting has no plain choices. */
 const struct row *setting_choice(const struct setting *setting, const struct settings *settings)
 {
     int index;

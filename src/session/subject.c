@@ -10,6 +10,8 @@
 #include <string.h>
 #include <stdlib.h>
 
+/* Returns the scene of a run; for a recording the present one if its spring was described, else
+ * NULL. */
 const struct scene *subject_scene(const struct session *session, const struct run *run)
 {
     const struct scene *scene = &session->setup.scene;
@@ -35,6 +37,7 @@ double scene_period(const struct scene *scene)
     return period;
 }
 
+/* Starts the pendulum at rest from that amplitude [rad]. */
 double scene_period_at(const struct scene *scene, double amplitude)
 {
     const int angle = scene ? scene_param(scene, "theta0") : -1;
@@ -47,6 +50,8 @@ double scene_period_at(const struct scene *scene, double amplitude)
     return derived_value(&turned, "period");
 }
 
+/* Adds a measurement, of which the oldest is dropped if there are too many. Returns false with the
+ * error set. */
 bool session_add_measurement(struct session *session, const char *name, const char *subject,
                              struct measured value, enum quantity unit, double periods,
                              struct error *error)
@@ -80,6 +85,8 @@ bool session_add_measurement(struct session *session, const char *name, const ch
     return true;
 }
 
+/* Copies the rows in [t_begin, t_end] where velocity (or energy) is known. Returns false if out of
+ * memory. */
 bool motion_series(const struct data_motion *motion, bool energy, double t_begin, double t_end,
                    struct arena *arena, struct series *series, struct error *error)
 {

@@ -11,6 +11,7 @@ bool scene_uses(const struct scene *scene, const struct model *model)
     return scene->model && (scene->model == model || scene->preset->model == model);
 }
 
+/* Returns true if the set-up uses the model or the events; either may be NULL. */
 bool setup_uses(const struct setup *setup, const struct model *model, const struct events *events)
 {
     bool uses = (events && setup->events == events) || (model && scene_uses(&setup->scene, model));

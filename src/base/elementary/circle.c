@@ -177,6 +177,7 @@ double fixed_tan(double x)
 /* ---- arrays, in blocks of 64: if an argument of a block is too large for the loop, the block is
  * computed again one by one ---- */
 
+/* Sets results [n] to sin x [n]. */
 CLONES void fixed_sines(int n, const double *x, double *results)
 {
     for (; n > 0; n -= 64, x += 64, results += 64) {
@@ -191,6 +192,7 @@ CLONES void fixed_sines(int n, const double *x, double *results)
     }
 }
 
+/* Sets results [n] to cos x [n]. */
 CLONES void fixed_cosines(int n, const double *x, double *results)
 {
     for (; n > 0; n -= 64, x += 64, results += 64) {

@@ -23,6 +23,7 @@ static double exp_shifted(double x, int shift)
     return exp_scaled(n, r, shift);
 }
 
+/* Uses exp_sum() while the result and its parts are normal numbers. */
 double fixed_exp(double x)
 {
     double r;
@@ -91,6 +92,7 @@ INLINE double both_signs(double x, double sign)
     return sum.high + (sum.low + rest);
 }
 
+/* Uses a series for small |x|, in which nothing cancels, then (e^x - e^-x)/2. */
 double fixed_sinh(double x)
 {
     const double size = fabs(x);

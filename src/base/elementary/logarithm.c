@@ -34,6 +34,7 @@ FUSED_CLONE static double power_fused(double x, double y)
 #define power_fused(x, y) power_in(x, y, true)
 #endif
 
+/* Returns log x, by fused multiply-add if the processor has it. */
 double fixed_log(double x)
 {
     if (!(x > 0 && x < HUGE_VAL))
@@ -41,6 +42,7 @@ double fixed_log(double x)
     return fused_here() ? log_fused(x) : log_in(x, HAS_FUSED_MULTIPLY);
 }
 
+/* Returns log10 x, by fused multiply-add if the processor has it. */
 double fixed_log10(double x)
 {
     if (!(x > 0 && x < HUGE_VAL))

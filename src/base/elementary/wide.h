@@ -16,6 +16,7 @@
 #define SIGN_BIT 0x8000000000000000u
 #define EXPONENT_SHIFT 52
 
+/* Returns the bits of x. */
 INLINE uint64_t to_bits(double x)
 {
     uint64_t bits;
@@ -23,6 +24,7 @@ INLINE uint64_t to_bits(double x)
     return bits;
 }
 
+/* Returns the double with these bits. */
 INLINE double from_bits(uint64_t bits)
 {
     double x;

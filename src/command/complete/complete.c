@@ -49,6 +49,8 @@ static bool takes_values(const struct command *command)
     return false;
 }
 
+/* Offers the words, keys and options of the command, the next positional argument, and units behind
+ * a number. */
 void complete_next(struct completion *c, const struct command *command, struct text preceding)
 {
     /* a leading word such as `of` is followed only by the arguments that belong to it */

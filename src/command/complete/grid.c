@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+/* Finds the name of the last NAME= before the word. Returns true if the word is its value. */
 bool complete_is_item(struct text preceding, struct text *name)
 {
     size_t begin = preceding.len;
@@ -14,6 +15,7 @@ bool complete_is_item(struct text preceding, struct text *name)
     return begin > 0 && strchr("=,:", preceding.data[preceding.len - 1]);
 }
 
+/* Offers values behind NAME=, else the names that a sweep can vary. */
 void complete_grid(struct completion *c, const struct command *command, struct text preceding)
 {
     const struct scene *scene = &c->session->setup.scene;

@@ -5,6 +5,7 @@
 #include <hooke/command/complete.h>
 #include "command/session/topics.h"
 
+/* Offers the variables of the scene, and off; named means that a variable was typed already. */
 void complete_atol(struct completion *c, bool named)
 {
     const struct model *model = c->session->setup.scene.model;
@@ -15,6 +16,7 @@ void complete_atol(struct completion *c, bool named)
                          : "all variables: errors relative to their size (tol)");
 }
 
+/* Offers choices of a setting, or values with units that suit the name. */
 void complete_set(struct completion *c, struct text name, struct text preceding)
 {
     const struct scene *scene = &c->session->setup.scene;
@@ -40,6 +42,7 @@ void complete_set(struct completion *c, struct text name, struct text preceding)
     complete_value(c, value, quantity, complete_operands);
 }
 
+/* Offers the rows of all catalogs that help explains, and names of models. */
 void complete_topics(struct completion *c)
 {
     for (int i = 0; help_catalog(i); i++)

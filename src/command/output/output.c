@@ -70,6 +70,7 @@ static bool fill_table(struct session *session, const struct arguments *args, st
              tools->export_band(session, runs, band->where, export, error)));
 }
 
+/* Replies with the file, its number of rows and its columns: a line and a record. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table)
 {
     struct buffer path = {0}, *text = reply_buffer(reply);

@@ -23,6 +23,7 @@ void seek_opinion(const struct session *session, struct run *run, const struct r
         run_second_opinion(run, effort, session->front.cancel);
 }
 
+/* Appends how the error of the planned run will be estimated. */
 void plan_opinion(const struct session *session, const struct system *system,
                   const struct plan *plan, struct buffer *text)
 {
@@ -124,6 +125,8 @@ static void reply_large(const struct run *run, double times, struct reply *reply
                       SHOWN_SHORT(times, 1));
 }
 
+/* Appends the estimated error to the run's line, with warnings. Returns false with the error set if
+ * no digit is certain. */
 bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
                    struct error *error)
 {

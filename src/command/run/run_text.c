@@ -128,6 +128,8 @@ static void put_energy(const struct run *run, struct buffer *text)
         buffer_format(text, " (E up to %s E0)", SHOWN_SHORT(peak, 2));
 }
 
+/* Replies with the run's line (time, steps, energy error, distance from the recording) and its
+ * record. */
 void reply_run(const struct session *session, const struct run *run, struct reply *reply)
 {
     struct run_record record;

@@ -12,6 +12,7 @@
 
 /* ---- before the first step ---- */
 
+/* Warns once per session if a typed scene is run with the default method. */
 void reply_unchosen(struct session *session, struct reply *reply)
 {
     const struct setup *setup = &session->setup;
@@ -24,6 +25,7 @@ void reply_unchosen(struct session *session, struct reply *reply)
                   setup->method->row.name, SHOWN_VALUE(setup->settings.dt, QUANTITY_TIME, 4));
 }
 
+/* Tells once per scene which duration, tolerance and first step are used because none was set. */
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply)
 {
     const struct settings *settings = &session->setup.settings;
@@ -51,6 +53,7 @@ void reply_assumed(struct session *session, bool adapts, bool by_setting, struct
     buffer_format(text, " ('%s = ...' sets it)", setting);
 }
 
+/* Tells that a study covers less time than the current run. */
 void reply_shorter(const struct session *session, struct reply *reply)
 {
     const struct run *run = session_run(session);
@@ -64,6 +67,7 @@ void reply_shorter(const struct session *session, struct reply *reply)
                duration, run->number, span, span);
 }
 
+/* Warns if the method cannot step the scene. */
 void reply_inapplicable(const struct session *session, struct reply *reply)
 {
     struct scene scene = session->setup.scene;
@@ -88,6 +92,7 @@ static double turning_period(const struct system *system)
     return 2 * M_PI / sqrt(determinant - half_trace * half_trace);
 }
 
+/* Warns of fixed steps that are long compared with the period, or with the limit of stability. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply)
 {
     const double own = derived_value(&session->setup.scene, "T0"), dt = run->settings.dt,
@@ -118,6 +123,7 @@ static double largest_of(const double *value, int n)
     return size;
 }
 
+/* Warns of a state so small that its squares underflow. */
 void reply_tiny(const struct run *run, struct reply *reply)
 {
     const double tiny = 1.5e-154; /* its square is the least normal number */
@@ -185,6 +191,7 @@ static void reply_poles(struct run *run, struct reply *reply)
     run->warned_unsound = true;
 }
 
+/* Warns once of a step whose result is far from the solution. */
 void reply_unsound(struct run *run, struct reply *reply)
 {
     reply_poles(run, reply);
@@ -290,6 +297,7 @@ static void reply_sliding(struct run *run, struct reply *reply)
     buffer_free(&text);
 }
 
+/* Gives all warnings that concern the run up to now. */
 void reply_run_warnings(struct run *run, struct reply *reply)
 {
     reply_growth(run, reply);

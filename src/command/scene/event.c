@@ -84,6 +84,8 @@ static bool read_action(struct parser *parser, struct event_line *line, struct i
            (line->action != EVENT_COMMANDS || check_commands(commands->text, error));
 }
 
+/* Reads the rule of an event and adds it to the events of the next run. Returns false with the
+ * error set. */
 bool event_add(struct session *session, struct arena *arena, struct text name, struct text rule,
                struct error *error)
 {

@@ -36,6 +36,7 @@ bool find_slopes(const struct parser *initial, struct run *run, const char *what
     return ok;
 }
 
+/* Tests only commands of an event in an adaptive run, by the slopes of the value. */
 bool value_depends(struct session *session, const struct parser *value)
 {
     struct run *run = session_run(session);
@@ -49,6 +50,7 @@ bool value_depends(struct session *session, const struct parser *value)
     return depends;
 }
 
+/* Marks the slopes of the present jump as unknown (NAN). */
 void forget_jump_slopes(struct session *session)
 {
     double slope[LIMIT_VARIABLES + 1];

@@ -107,6 +107,7 @@ static void put_argument(const struct command *command, const struct argument *a
     buffer_free(&units);
 }
 
+/* Divides `COMMAND ARGUMENT` into both; *command is NULL for a single topic. */
 struct text help_topic_of(struct text words, const struct command **command)
 {
     words = text_trim(words);
@@ -147,6 +148,7 @@ static size_t word_around(struct text line, size_t *begin, const char *ends)
 
 #define WORD_ENDS " \t\n;"
 
+/* Finds statement and word at the cursor, and appends the help command that explains it. */
 void help_line(struct text line, size_t cursor, struct buffer *text)
 {
     size_t word_begin = cursor < line.len ? cursor : line.len;

@@ -38,6 +38,7 @@ static void record_method(const struct row *row, double stable, struct reply *re
     reply_end(reply);
 }
 
+/* Replies with a row of a catalog: a line and a record. */
 void reply_listed(const struct catalog *catalog, const struct row *row, struct reply *reply)
 {
     char value[32] = "";

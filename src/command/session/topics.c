@@ -13,6 +13,7 @@ static const struct guide_topic topics[] = {
 
 const struct catalog guide_catalog = CATALOG("topic", topics);
 
+/* Lists all commands by group, in the order of their first commands. */
 void help_commands(struct buffer *text)
 {
     for (size_t first = 0; first < command_catalog.count; first++) {
@@ -30,6 +31,7 @@ void help_commands(struct buffer *text)
     }
 }
 
+/* Lists the topics with a line each, then the names of all commands. */
 void help_all(struct buffer *text)
 {
     buffer_put(text,

@@ -264,6 +264,7 @@ enum step_status switch_step(const struct method *method, struct step *step, dou
 
 /* ---- between two steps ---- */
 
+/* Tests the derivative only for equations that are undefined beyond a switch. */
 bool switch_is_there(struct step *step)
 {
     double rate[LIMIT_VARIABLES];
@@ -313,6 +314,8 @@ void switch_next(struct step *step, struct switches_state *state, int ended)
         state->recent[i] = false;
 }
 
+/* Returns the system on the branches of the last adaptive step, in *frozen, or the system
+ * itself. */
 const struct system *method_adapted(const struct system *system,
                                     const struct controller *controller, struct sliding *sliding,
                                     struct system *frozen)

@@ -132,6 +132,7 @@ static enum step_status step_segment(const struct method *method, struct step *s
     return status;
 }
 
+/* Takes segments until they fill the step; on failure the state at its start is restored. */
 enum step_status switched_step(const struct method *method, struct step *step)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;

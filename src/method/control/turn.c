@@ -11,6 +11,7 @@
  * own, because its error goes with the square of the distance. */
 #define NEAR_TOLERATED 0.1
 
+/* Returns true if steps of fixed size are divided at switches. */
 bool method_meets_switches(const struct method *method, const struct system *system)
 {
     /* typed equations on a branch are one force, with neither a potential nor drag of its own */
@@ -19,6 +20,7 @@ bool method_meets_switches(const struct method *method, const struct system *sys
             (!(method->flags & METHOD_POTENTIAL) && !(method->splitting && system->velocity)));
 }
 
+/* Returns true for methods above order 2 that can change their step, in scenes with kinks. */
 bool method_turns(const struct method *method, const struct system *system)
 {
     return system->kinks && !system->steps_across_kinks && !method_meets_switches(method, system) &&
@@ -229,6 +231,7 @@ static int64_t steps_to_try(const double *row, int64_t last, bool branches)
     return max >= 1 ? (int64_t)max : 0;
 }
 
+/* Tries many steps at once by the kernel between turning points, and single steps next to them. */
 int64_t method_turning_march(const struct method *method, march_function *kernel,
                              const struct march *march, enum step_status *status)
 {

@@ -304,6 +304,7 @@ INLINE bool has_controlled_kernel(const struct method *method, int shape)
 #undef RUNGE_KUTTA
 
 #define ENTRY(shape) [SHAPE_##shape] = NAME(shape),
+/* Returns the kernel for method and shape of the system, or NULL. */
 controlled_function *method_controlled_kernel(const struct method *method,
                                               const struct system *system)
 {

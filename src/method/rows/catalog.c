@@ -109,6 +109,7 @@ static const struct row drags[] = {
 
 const struct catalog drag_catalog = CATALOG("drag variant", drags);
 
+/* Refuses external methods, which have no fixed steps, and unstable splittings. */
 bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                  struct error *error)
 {
@@ -191,6 +192,8 @@ static bool check_needs(const struct method *method, const struct system *system
     return true;
 }
 
+/* Checks the needs of the method on the system that it really steps, which is frozen if it meets
+ * switches. */
 bool method_applies(const struct method *method, const struct system *system, enum drag *drag,
                     struct error *error)
 {
@@ -236,6 +239,7 @@ void method_dense(const struct method *method, const struct step *step, const do
         y[i] = hermite(theta, h, y_begin[i], f0[i], step->y[i], f1[i]);
 }
 
+/* Computes the dense output of variable i as a polynomial in theta. */
 void method_polynomial(const struct method *method, const struct step *step, int i,
                        struct dense_polynomial *polynomial)
 {

@@ -87,6 +87,7 @@ static bool splitting_coefficients(const struct splitting *s, int i, struct coef
     return true;
 }
 
+/* Lists the values of backward differentiation, or predictor and corrector. */
 static bool multistep_coefficients(const struct multistep *m, int i, struct coefficient_row *row)
 {
     if (m->values)
@@ -95,6 +96,7 @@ static bool multistep_coefficients(const struct multistep *m, int i, struct coef
                      (const double *const[]){m->predict, m->correct});
 }
 
+/* Fills in row i by the family of the method. Returns false if there is none. */
 bool method_coefficients(const struct method *method, int i, struct coefficient_row *row)
 {
     if (method->tableau)

@@ -2,6 +2,7 @@
 /* The exact solution as a method: each step evaluates it from the present state. */
 #include "method/step/step.h"
 
+/* Evaluates the exact solution at the end of the step. */
 enum step_status exact_step(const struct method *method, struct step *step)
 {
     (void)method;

@@ -32,6 +32,7 @@ struct linear_scene {
     struct system system;
 };
 
+/* Returns 1, 0 or -1. */
 double stiffness_sign_value(enum stiffness_sign sign)
 {
     if (sign == STIFFNESS_ZERO)
@@ -83,6 +84,7 @@ static void amplify(const struct linear_scene *oscillation, double x, double mat
     free(work);
 }
 
+/* Returns false for methods without a one-step matrix, and if a step fails. */
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta,
                           double matrix[4])
 {
@@ -93,6 +95,7 @@ bool method_amplification(const struct method *method, enum drag drag, double x,
     return !isnan(matrix[0]) && !isnan(matrix[1]);
 }
 
+/* Returns the larger absolute eigenvalue of m [2][2]. */
 double matrix_spectral_radius(const double m[4])
 {
     double mean = (m[0] + m[3]) / 2, half = (m[0] - m[3]) / 2;

@@ -69,6 +69,7 @@ LU_FUNCTION void solve_complex(int n, const double *a, double *re, double *im)
     }
 }
 
+/* Factors a; sizes up to 3 have their own code. */
 bool lu_factor(int n, double *a)
 {
     switch (n) {
@@ -83,6 +84,7 @@ bool lu_factor(int n, double *a)
     }
 }
 
+/* Solves a x = b in place, by the factors of lu_factor(). */
 void lu_solve(int n, const double *a, double *b)
 {
     switch (n) {
@@ -101,6 +103,7 @@ void lu_solve(int n, const double *a, double *b)
     }
 }
 
+/* Factors the complex a; sizes up to 3 have their own code. */
 bool lu_factor_complex(int n, double *a)
 {
     switch (n) {
@@ -115,6 +118,7 @@ bool lu_factor_complex(int n, double *a)
     }
 }
 
+/* Solves the complex a x = re + i im in place. */
 void lu_solve_complex(int n, const double *a, double *re, double *im)
 {
     switch (n) {

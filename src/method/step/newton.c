@@ -47,6 +47,8 @@ void newton_forget(double *work)
     work[1] = 1;
 }
 
+/* Multiplies x [n] by the inverse of real - h J, by the factors of the last solution if they are
+ * for this h. */
 bool newton_filter(const struct implicit_tableau *tableau, struct step *step, double t, double h,
                    const double *y, double *x, double *work)
 {
@@ -141,6 +143,8 @@ static bool iterate_contracting(const struct newton *equations, struct step *ste
     return last <= INCREMENT_STALL_RELATIVE;
 }
 
+/* Grows the part of h after each success and shrinks it after a failure, from the solution for h =
+ * 0. */
 bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h,
                    const double *y, double *z, const double *weight, double *work)
 {
@@ -197,6 +201,8 @@ static enum step_status solve_oscillator(struct step *step, double t, double h, 
     return oscillator_stage(o, o->quadratic != 0, force, step, h, y, z, sum);
 }
 
+/* Uses the closed form of the oscillator, motion_stage() in fixed steps of one coordinate, else
+ * newton_solve(). */
 enum step_status newton_stage(struct step *step, double t, double h, const double *y, double *z,
                               double *sum, double *work)
 {

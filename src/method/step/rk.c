@@ -60,6 +60,7 @@ static void add_stages(const struct tableau *tableau, const struct step *step)
     *ready = true;
 }
 
+/* Computes the interpolant of variable i: cubic Hermite with bends. */
 void rk_polynomial(const struct method *method, const struct step *step, int i,
                    struct dense_polynomial *polynomial)
 {
@@ -79,6 +80,7 @@ void rk_polynomial(const struct method *method, const struct step *step, int i,
         polynomial->bend[m] = weighted_sum(tableau->dense + m * all, all, k, n, i);
 }
 
+/* Evaluates the interpolant at theta for all variables. */
 void rk_dense(const struct method *method, const struct step *step, double theta, double *y)
 {
     struct dense_polynomial polynomial;

@@ -112,6 +112,7 @@ enum step_status rosenbrock_step(const struct method *method, struct step *step)
     }
 }
 
+/* Evaluates the dense output at theta, measured from the end of the step. */
 void rosenbrock_dense(const struct method *method, const struct step *step, double theta, double *y)
 {
     const struct rosenbrock *rosenbrock = method->rosenbrock;

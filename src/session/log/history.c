@@ -42,6 +42,7 @@ static bool put_text(struct history *log, struct text text, size_t *offset)
     return ok;
 }
 
+/* Adds the entry of a line that was read. Returns false with the error set if out of memory. */
 bool history_line(struct session *session, struct text line, bool sourced, size_t *index,
                   struct error *error)
 {
@@ -60,6 +61,8 @@ bool history_line(struct session *session, struct text line, bool sourced, size_
     return true;
 }
 
+/* Adds the entry of a statement, whose text is that of its line. Returns false with the error
+ * set. */
 bool history_begin(struct session *session, size_t line, struct text line_text,
                    struct text statement, size_t *index, struct error *error)
 {
@@ -214,6 +217,7 @@ int history_script_line(const struct session *session, size_t statement, struct 
     return number;
 }
 
+/* Appends the entries that a reading includes, from number `first` on. */
 void history_put(const struct session *session, size_t first, enum history_reading reading,
                  struct buffer *text)
 {
@@ -229,6 +233,7 @@ void history_put(const struct session *session, size_t first, enum history_readi
     }
 }
 
+/* Returns true if a statement of the script failed. */
 bool history_fails(const struct session *session)
 {
     for (size_t i = session->history.first; i < session->history.count; i++) {
@@ -291,6 +296,8 @@ static bool fail_to_append(const struct session *session, const struct error *wh
     return false;
 }
 
+/* Writes what is not on the disk yet, and closes the file. Returns false with the error set if that
+ * failed. */
 bool record_close(struct session *session, struct error *error)
 {
     struct error why = {0};

@@ -19,6 +19,7 @@ static bool is_parameter_change(const struct request *request, bool by_events)
     return request->kind == REQUEST_SET && (by_events || !request->by_event);
 }
 
+/* Collects the times from the end, then reverses them. */
 int journal_changes(const struct request *last, double *t, int max)
 {
     int count = 0;
@@ -45,6 +46,7 @@ struct request *journal_retain(struct request *last)
     return last;
 }
 
+/* Gives up the list; requests that nobody else owns are freed. */
 void journal_release(struct request *last)
 {
     for (struct request *previous; last && --last->references == 0; last = previous) {
@@ -67,6 +69,8 @@ static void link_request(struct request *request, struct request *previous)
         request->go = previous ? previous->go : NULL;
 }
 
+/* Appends a request with a copy of the condition. Returns false with the error set if there are too
+ * many or out of memory. */
 bool journal_add(struct run_slot *slot, struct request request, struct text condition,
                  struct error *error)
 {
@@ -88,6 +92,7 @@ bool journal_add(struct run_slot *slot, struct request request, struct text cond
     return error_memory(error);
 }
 
+/* Removes the last request from the run's list. */
 void journal_drop(struct run_slot *slot)
 {
     struct request *dropped = slot->last;
@@ -95,6 +100,7 @@ void journal_drop(struct run_slot *slot)
     journal_release(dropped);
 }
 
+/* Lists the requests from number `first` on, oldest first; the caller frees the list. */
 bool journal_list(const struct request *last, int first, const struct request ***list, int *count)
 {
     *count = journal_count(last) > first ? journal_count(last) - first : 0;
@@ -115,6 +121,8 @@ const struct request *journal_pending(const struct run_slot *slot)
     return journal_last_go(slot->last);
 }
 
+/* Returns the last REQUEST_GO for changing, copied first if other lists share it; NULL with the
+ * error set. */
 struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
 {
     struct request *last = slot->last, *request = last;
@@ -145,6 +153,7 @@ struct request *journal_edit_pending(struct run_slot *slot, struct error *error)
     return ok ? edited : NULL;
 }
 
+/* Appends the rest of the last REQUEST_GO as a new request. */
 bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error)
 {
     const struct request *request = journal_pending(slot);
@@ -201,6 +210,7 @@ void journal_scene(const struct run_slot *slot, bool by_events, struct scene *sc
     }
 }
 
+/* Returns true if a request from number `first` on was not made by an event. */
 bool journal_changed(const struct run_slot *slot, int first)
 {
     const struct request *request = slot->last;

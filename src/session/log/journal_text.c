@@ -96,6 +96,7 @@ static bool put_advance(struct composer *c, const struct request *request, int64
     return true;
 }
 
+/* Appends name and value of a change, such as "gamma 0.1 1/s". */
 void journal_put_change(const struct run *run, const struct request *request, struct buffer *text)
 {
     const struct param_row *param =

@@ -182,6 +182,7 @@ struct snapshot *snapshot_take(const struct session *session, const char *label)
     return snapshot;
 }
 
+/* Gives up all that the snapshot shares; NULL is allowed. */
 void snapshot_free(struct snapshot *snapshot)
 {
     if (!snapshot)
@@ -198,6 +199,7 @@ void snapshot_free(struct snapshot *snapshot)
     free(snapshot);
 }
 
+/* Returns true if the set-up or a run of the snapshot uses the model or the events. */
 bool snapshot_uses(const struct snapshot *snapshot, const struct model *model,
                    const struct events *events)
 {
@@ -317,6 +319,8 @@ void undo_clear(struct session *session)
     session->undo.undos = session->undo.redos = 0;
 }
 
+/* Exchanges the present state with the latest snapshot of undo or redo. Returns false with the
+ * error set. */
 bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], struct error *error)
 {
     if ((back ? session->undo.undos : session->undo.redos) == 0) {
@@ -339,6 +343,8 @@ bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], s
     return true;
 }
 
+/* Keeps the present state; a checkpoint of the same name is replaced. Returns false with the error
+ * set. */
 bool checkpoint_make(struct session *session, const char *name, struct error *error)
 {
     int index = 0;
@@ -362,6 +368,8 @@ bool checkpoint_make(struct session *session, const char *name, struct error *er
     return true;
 }
 
+/* Restores the checkpoint of that name, or the latest for an empty name. Returns false with the
+ * error set. */
 bool checkpoint_restore(struct session *session, struct text name, const char **label,
                         struct error *error)
 {
