@@ -179,7 +179,7 @@ static double *values_of(const struct argument_value *args, struct arena *arena)
 
 /* Moves the runs into the session. Returns false with an error if that fails; the runs that were
  * not moved are freed then. */
-static bool keep_runs(struct session *session, struct comparison *rows, int count,
+static bool move_runs(struct session *session, struct comparison *rows, int count,
                       struct error *error)
 {
     bool ok = true;
@@ -382,7 +382,7 @@ HANDLER(compare)
     reply_assumed(session, choices_adapt(&request), true, reply);
     reply_shorter(session, reply);
     const bool ok = study_compare(&request, rows, &count, &study);
-    if (!keep_runs(session, rows, count, error))
+    if (!move_runs(session, rows, count, error))
         return false;
     memcpy(compared + count, omitted, (size_t)left_out * sizeof *omitted);
     if (count > 0)

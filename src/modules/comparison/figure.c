@@ -54,8 +54,8 @@ static double evaluation_seconds(const struct precision *precision, int curve)
 /* Returns the horizontal position of a point: its time [s] or its number of evaluations. For a
  * solve that was given up this is extrapolated to the whole duration. Returns NAN if it is
  * unknown. */
-static double work_of(const struct precision *precision, const struct precision_point *point,
-                      bool timed)
+static double point_work(const struct precision *precision, const struct precision_point *point,
+                         bool timed)
 {
     const double evals = (double)point->cost.evals / point->part;
     double work = evals;
@@ -68,7 +68,7 @@ static double work_of(const struct precision *precision, const struct precision_
 }
 
 /* Returns the height at which failed settings are drawn: the power of ten above all errors. */
-static double top_of(const struct precision *precision)
+static double failure_height(const struct precision *precision)
 {
     double top = 0;
     for (int i = 0; i < precision->points; i++)
@@ -94,7 +94,7 @@ struct diagram {
 };
 
 /* Extends the range so that it holds the value. */
-static void widen(double range[2], double value)
+static void range_extend(double range[2], double value)
 {
     range[0] = fmin(range[0], value);
     range[1] = fmax(range[1], value);
@@ -121,14 +121,14 @@ static bool add_method(struct diagram *d, int c)
                              .look = c + 1};
     for (int i = source->first; i < source->first + source->count; i++) {
         const struct precision_point *point = &precision->point[i];
-        const double work = work_of(precision, point, d->timed);
+        const double work = point_work(precision, point, d->timed);
         if (isnan(work))
             continue;
-        widen(d->work, work);
+        range_extend(d->work, work);
         if (precision_meaningful(point)) {
             x[curve->n] = work;
             y[curve->n] = fmax(point->errors.max, MIN_ERROR);
-            widen(d->error, y[curve->n++]);
+            range_extend(d->error, y[curve->n++]);
         } else {
             failed_x[failed->n] = work;
             failed_y[failed->n++] = d->top;
@@ -149,12 +149,12 @@ static void add_slope(struct diagram *d, int c)
     int n = 0;
     for (int i = source->first; i < source->first + source->count; i++) {
         const struct precision_point *point = &d->precision->point[i];
-        const double work = work_of(d->precision, point, d->timed);
+        const double work = point_work(d->precision, point, d->timed);
         if (!point->asymptotic || isnan(work))
             continue;
         x += log(work);
         y += log(point->errors.max);
-        widen(range, work);
+        range_extend(range, work);
         n++;
     }
     if (n == 0 || !(order > 0) || isnan(source->expected))
@@ -248,7 +248,7 @@ static void add_guides(struct diagram *d, bool named)
 
 /* Returns the note below the diagram, which explains the marks at the top, the shade and the thin
  * lines, or NULL if out of memory. */
-static const char *note_of(const struct diagram *d, bool named)
+static const char *diagram_note(const struct diagram *d, bool named)
 {
     const struct precision *precision = d->precision;
     const char *where = named ? "at the top: " : "capitals: ", *seen[8];
@@ -276,7 +276,7 @@ static const char *note_of(const struct diagram *d, bool named)
 
 /* Returns the diagram described in sentences for screen readers, with the fastest method for each
  * labelled error, or NULL if out of memory. */
-static const char *words_of(const struct diagram *d)
+static const char *diagram_words(const struct diagram *d)
 {
     const struct precision *precision = d->precision;
     const char *unit = d->timed ? " s" : "";
@@ -308,7 +308,7 @@ static bool make_diagram(const struct precision *precision, bool named, struct a
     struct diagram d = {.precision = precision,
                         .arena = arena,
                         .timed = is_over_time(precision),
-                        .top = top_of(precision),
+                        .top = failure_height(precision),
                         .work = {HUGE_VAL, 0},
                         .error = {HUGE_VAL, 0},
                         .curve = arena_array(arena, curves + 1, sizeof *d.curve)};
@@ -342,8 +342,8 @@ static bool make_diagram(const struct precision *precision, bool named, struct a
                                     .first_value = d.error[0],
                                     .last_value = 1.8 * d.top},
                               .plane = true,
-                              .note = note_of(&d, named),
-                              .words = words_of(&d),
+                              .note = diagram_note(&d, named),
+                              .words = diagram_words(&d),
                               .caption = precision->reference.exact ? "against the closed form"
                                                                     : "against two methods",
                               .guide = d.guide,

@@ -194,7 +194,7 @@ static void reply_study(const struct session *session, const struct arguments *a
 
 /* Moves the study into the session, where it replaces the one before. Out of memory, nothing
  * changes and *precision still owns the study. */
-static void keep_precision(struct session *session, struct precision *precision)
+static void store_precision(struct session *session, struct precision *precision)
 {
     struct comparison_part *part = session_part(session, &comparison_module);
     struct precision *stored = part ? malloc(sizeof *stored) : NULL;
@@ -291,7 +291,7 @@ HANDLER(precision)
     if (precision.curves > 0) {
         reply_study(session, args, &precision, &absent, clock_seconds(begin), reply);
         reply_precision(session, &precision, args->arena, reply);
-        keep_precision(session, &precision);
+        store_precision(session, &precision);
     }
     buffer_free(&absent);
     precision_free(&precision);

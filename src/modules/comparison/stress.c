@@ -14,17 +14,17 @@
 
 /* ---- a line for each method ---- */
 
-enum stress_class { CLASS_RIGHT, CLASS_SAID, CLASS_WRONG, CLASSES };
+enum stress_class { CLASS_RIGHT, CLASS_REPORTED, CLASS_WRONG, CLASSES };
 
 /* Returns whether an answer with this verdict is right, a failure that the method or the program
  * reports, or wrong without any message. */
-static enum stress_class class_of(enum stress_verdict verdict)
+static enum stress_class verdict_class(enum stress_verdict verdict)
 {
     if (verdict == STRESS_EXACT || verdict == STRESS_ACCURATE)
         return CLASS_RIGHT;
     const bool wrong =
         verdict == STRESS_BOUNDED || verdict == STRESS_DAMPED || verdict == STRESS_UNEXPLAINED;
-    return wrong ? CLASS_WRONG : CLASS_SAID;
+    return wrong ? CLASS_WRONG : CLASS_REPORTED;
 }
 
 /* The answers of one method to all cases, as a line of the table. */
@@ -77,7 +77,7 @@ static const struct result_column of_total[] = {
      .offset = offsetof(struct stress_total, method),
      .index = 1},
     {.heading = "right", COUNTED(CLASS_RIGHT), .index = 2},
-    {.heading = "reported", COUNTED(CLASS_SAID), .index = 3},
+    {.heading = "reported", COUNTED(CLASS_REPORTED), .index = 3},
     {.heading = "wrong", COUNTED(CLASS_WRONG), .index = 4},
     {.heading = "slowest case", .kind = COLUMN_NAME, .cell = slowest_cell, .index = 5},
 };
@@ -114,7 +114,7 @@ static void put_totals(const struct stress *stress, const struct method *const *
         total[m] = (struct stress_total){.method = method[m], .stress = stress};
         for (int i = m; i < stress->rows; i += methods) {
             const struct stress_row *row = &stress->row[i];
-            total[m].count[class_of(row->verdict)]++;
+            total[m].count[verdict_class(row->verdict)]++;
             if (is_slower(row, total[m].slowest))
                 total[m].slowest = row;
         }
@@ -259,8 +259,8 @@ static const struct result_columns stress_columns = RESULT_COLUMNS(of_stress, st
 /* Fills in *result from the session's scene: which parameters are initial values, and which of the
  * others have an effect. Memory is from the arena. Returns false with an error if the scene is
  * invalid or if out of memory. */
-static bool this_scene(const struct session *session, struct arena *arena,
-                       struct stress_scene *result, struct error *error)
+static bool stress_scene_make(const struct session *session, struct arena *arena,
+                              struct stress_scene *result, struct error *error)
 {
     const struct scene *scene = &session->setup.scene;
     const size_t params = scene_params(scene)->count;
@@ -324,7 +324,7 @@ HANDLER(stress)
         return false;
     struct stress_scene stress_scene;
     const bool present = has_argument(args, "scene");
-    if (present && !this_scene(session, args->arena, &stress_scene, error))
+    if (present && !stress_scene_make(session, args->arena, &stress_scene, error))
         return false;
     const bool ok = study_stress(present ? &stress_scene : NULL, only, method, methods,
                                  session->front.cancel, stress, error);

@@ -12,7 +12,7 @@
 
 /* Gives name i of the program the text of the buffer, which is freed. Returns false with an error
  * if out of memory. */
-static bool renamed(struct scene_program *p, int i, struct buffer *name)
+static bool set_name(struct scene_program *p, int i, struct buffer *name)
 {
     p->name[i] = name->failed ? NULL : arena_text(p->arena, buffer_text(name));
     buffer_free(name);
@@ -23,7 +23,7 @@ static bool renamed(struct scene_program *p, int i, struct buffer *name)
 
 /* Gives other names to those that XPPAUT reserves, or that differ from others only in case, which
  * it ignores. Returns false with an error if out of memory. */
-static bool tell_apart(struct scene_program *p)
+static bool make_names_distinct(struct scene_program *p)
 {
     static const char *const own[] = {"t", "pi", "sum", "delay", "shift", "int", "ran", "normal"};
     for (int i = 1; i < p->written.names; i++) {
@@ -34,7 +34,7 @@ static bool tell_apart(struct scene_program *p)
             taken = taken || strcasecmp(own[k], p->name[i]) == 0;
         struct buffer name = {0};
         buffer_format(&name, "%s_%d", p->name[i], i);
-        if (taken ? !renamed(p, i, &name) : (buffer_free(&name), false))
+        if (taken ? !set_name(p, i, &name) : (buffer_free(&name), false))
             return false;
     }
     return true;
@@ -86,7 +86,7 @@ bool program_xpp(struct scene_program *p)
     const struct written *w = &p->written;
     const struct system *system = &w->system;
     struct buffer *output = p->output;
-    if (!tell_apart(p))
+    if (!make_names_distinct(p))
         return false;
     put_xpp_equations(p);
     p->rates = program_take_text(p);
@@ -157,7 +157,7 @@ static bool tex_names(struct scene_program *p)
         } else {
             put_symbol(&name, p->written.name[i]);
         }
-        if (!renamed(p, i, &name))
+        if (!set_name(p, i, &name))
             return false;
     }
     return true;

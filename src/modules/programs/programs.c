@@ -320,8 +320,8 @@ static bool make_plan(struct scene_program *p)
 
 /* Writes the session's scene in the dialect `kind`, as the module's writer. Returns false with an
  * error. */
-static bool write(const struct session *session, size_t kind, struct arena *arena,
-                  struct buffer *output, struct error *error)
+static bool write_program(const struct session *session, size_t kind, struct arena *arena,
+                          struct buffer *output, struct error *error)
 {
     struct buffer text = {0};
     struct scene_program p = {.session = session,
@@ -359,6 +359,6 @@ const struct module programs_module = {
         {
             .endings = ".c .py .m .tex .ode",
             .kinds = &dialect_catalog,
-            .write = write,
+            .write = write_program,
         },
 };

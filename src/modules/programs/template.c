@@ -104,7 +104,7 @@ static bool word_holds(struct scene_program *p, struct text word)
 }
 
 /* Returns true if all words after <<if hold, and none of those after a '!'. */
-static bool all_hold(struct scene_program *p, struct text words)
+static bool conditions_hold(struct scene_program *p, struct text words)
 {
     struct text word;
     bool all = true;
@@ -162,7 +162,7 @@ bool program_computes(struct scene_program *p)
             return true;
         }
         if (text_starts(line, TEXT("<<if")))
-            active = all_hold(p, (struct text){line.data + 4, line.len - 6});
+            active = conditions_hold(p, (struct text){line.data + 4, line.len - 6});
         else if (active)
             put_line(p, line);
     }

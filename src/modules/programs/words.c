@@ -299,7 +299,7 @@ static void put_weights_low(struct scene_program *p)
 /* ---- all ---- */
 
 /* Returns the library function that makes adaptive steps in Python or Octave. */
-static const char *solver(const struct scene_program *p)
+static const char *solver_name(const struct scene_program *p)
 {
     const int order = p->method->order;
     const bool python = p->dialect == DIALECT_PYTHON;
@@ -387,7 +387,7 @@ static bool program_text_put(struct scene_program *p, struct text word)
         const char *name, *text;
     } texts[] = {
         {"method", p->method->row.name},
-        {"solver", solver(p)},
+        {"solver", solver_name(p)},
         {"rates", p->rates},
         {"observed", p->observed},
         {"step", p->turns ? "turning_step" : "step"},

@@ -51,8 +51,8 @@ static bool read_axis(struct parser *parser, struct text name, struct sweep_axis
 }
 
 /* Reads an integer, named `what` in errors. Returns false with an error. */
-static bool count_read(struct parser *parser, const char *what, int64_t *number,
-                       struct error *error)
+static bool read_whole_number(struct parser *parser, const char *what, int64_t *number,
+                              struct error *error)
 {
     struct item item = {0};
     if (!parse_integer(parser, what, false, &item, error))
@@ -118,7 +118,8 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
                                  "--dry-run, --full and --force");
     }
     struct item shown = {0};
-    if (!count_read(parser, "--threads", &threads, error) || !refuse_rest(parser, &shown, error))
+    if (!read_whole_number(parser, "--threads", &threads, error) ||
+        !refuse_rest(parser, &shown, error))
         return false;
     if (threads > PARALLEL_THREADS_MAX)
         return error_at(error, all, "at most %d threads", PARALLEL_THREADS_MAX);

@@ -72,7 +72,7 @@ struct sweep_scan {
 };
 
 /* Sets the error for the present line and returns false. */
-static bool is_wrong(const struct sweep_scan *scan, const char *what)
+static bool refuse_line(const struct sweep_scan *scan, const char *what)
 {
     char name[SAFE_NAME_SIZE];
     error_set(scan->error, ERROR_IO, "%s, line %lld: %s",
@@ -106,11 +106,11 @@ static bool take_seal(struct sweep_scan *scan, struct text line, uint64_t sum)
     const bool other = (file->seal.len > 0 && !text_equal(buffer_text(&file->seal), line)) ||
                        (file->heads > 0 && head_sum(buffer_text(&file->head)) != sum);
     if (other)
-        return is_wrong(scan, "this belongs to another sweep than the lines before");
+        return refuse_line(scan, "this belongs to another sweep than the lines before");
     if (file->seal.len == 0)
         buffer_put(&file->seal, line);
     if (scan->rows_seen > file->rows_max)
-        return is_wrong(scan, "a point above appears twice");
+        return refuse_line(scan, "a point above appears twice");
     file->seals++;
     scan->sealed = true;
     return !file->seal.failed || error_memory(scan->error);
@@ -130,7 +130,7 @@ static bool take_head(struct sweep_scan *scan, struct text line)
         file->head = scan->head;
         scan->head = (struct buffer){0};
     } else if (!text_equal(buffer_text(&file->head), buffer_text(&scan->head))) {
-        return is_wrong(scan, "this belongs to another sweep than the lines before");
+        return refuse_line(scan, "this belongs to another sweep than the lines before");
     }
     buffer_clear(&scan->head);
     return true;
@@ -162,7 +162,7 @@ static bool take_row(struct sweep_scan *scan, struct text line)
     const int64_t point = strtoll(line.data, &end, 10),
                   offset = scan->lines.offset - (int64_t)line.len;
     if (!(line.data[0] >= '0' && line.data[0] <= '9') || *end != ',' || errno != 0)
-        return is_wrong(scan, "this is not a row of a sweep");
+        return refuse_line(scan, "this is not a row of a sweep");
     scan->sealed = false;
     const int64_t next = last ? last->first + last->count : -1;
     const bool same = last && point == next - 1 && offset == last->end;
@@ -186,7 +186,7 @@ static bool take_line(struct sweep_scan *scan, struct text line)
     uint64_t sum;
     long long a, b;
     if (file->unfinished && (comment || text_starts(line, TEXT("point,"))))
-        return is_wrong(scan, "the part before was incomplete when it was added");
+        return refuse_line(scan, "the part before was incomplete when it was added");
     if (comment && sscanf(line.data, "# unfinished, shard %lld/%lld", &a, &b) == 2) {
         file->unfinished = true;
         file->shard = a;
@@ -205,7 +205,7 @@ static bool take_line(struct sweep_scan *scan, struct text line)
 }
 
 /* Leaves out the last point if rows of it may be missing. */
-static void cut_point(struct sweep_scan *scan)
+static void drop_incomplete_point(struct sweep_scan *scan)
 {
     struct sweep_file *file = scan->file;
     struct sweep_block *last = file->blocks > scan->begun ? &file->block[file->blocks - 1] : NULL;
@@ -233,12 +233,12 @@ bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
             ok = error_set(error, ERROR_CANCELLED, "stopped; nothing was changed");
     }
     if (ok && !torn && !feof(scan.lines.stream))
-        ok = is_wrong(&scan, "it cannot be read beyond this line");
+        ok = refuse_line(&scan, "it cannot be read beyond this line");
     if (ok && file->blocks > scan.begun && file->rows_max > 0 && scan.rows_seen > file->rows_max)
-        ok = is_wrong(&scan, "a point above appears twice");
+        ok = refuse_line(&scan, "a point above appears twice");
     file->size = scan.lines.offset;
     if (ok)
-        cut_point(&scan);
+        drop_incomplete_point(&scan);
     lines_end(&scan.lines);
     buffer_free(&scan.head);
     return ok;

@@ -35,7 +35,7 @@ static double cell_value(const struct heat *heat, int column, int columns, int r
 }
 
 /* Writes a value in units of `factor` as a short number. */
-static void label(double value, double factor, char output[LABEL_SIZE])
+static void format_label(double value, double factor, char output[LABEL_SIZE])
 {
     struct buffer text = {0};
     buffer_short(&text, value / (factor > 0 ? factor : 1) + 0.0, 4);
@@ -55,7 +55,7 @@ static void heat_name_put(struct buffer *output, const char *name, const char *u
 }
 
 /* Appends a character several times. */
-static void put_times(struct buffer *output, char c, int times)
+static void put_repeated(struct buffer *output, char c, int times)
 {
     for (int i = 0; i < times; i++)
         buffer_char(output, c);
@@ -71,12 +71,12 @@ static void put_x_labels(const struct heat *heat, int gutter, int columns, struc
         int first, end, previous;
         points_of(column, columns, heat->x.count, &first, &end);
         points_of(column - 1, columns, heat->x.count, &previous, &end);
-        label(heat->x.value[first], heat->x.factor, text);
+        format_label(heat->x.value[first], heat->x.factor, text);
         const int len = (int)strlen(text);
         if ((column > 0 && previous == first) || column < cursor ||
             column + len > columns + LABEL_GAP)
             continue;
-        put_times(output, ' ', column - (cursor > 0 ? cursor - LABEL_GAP : cursor));
+        put_repeated(output, ' ', column - (cursor > 0 ? cursor - LABEL_GAP : cursor));
         buffer_put(output, text_of(text));
         cursor = column + len + LABEL_GAP;
     }
@@ -94,9 +94,9 @@ static void put_legend(const struct heat *heat, const struct heat_scale *scale,
     int cursor = 0;
     for (int i = 0; i <= shades; i++) {
         const double share = (double)i / shades;
-        label(scale->log ? scale->low * pow(ratio, share)
-                         : scale->low + (scale->high - scale->low) * i / shades,
-              heat->factor, text);
+        format_label(scale->log ? scale->low * pow(ratio, share)
+                                : scale->low + (scale->high - scale->low) * i / shades,
+                     heat->factor, text);
         const int len = (int)strlen(text) + (i < shades ? 5 : 0);
         if (cursor + len > width) {
             buffer_char(output, '\n');
@@ -122,7 +122,7 @@ bool heat_print(const struct heat *heat, int width, int height, const struct cha
     char text[LABEL_SIZE];
     int gutter = 0;
     for (int y = 0; y < heat->y.count; y++) {
-        label(heat->y.value[y], heat->y.factor, text);
+        format_label(heat->y.value[y], heat->y.factor, text);
         gutter = (int)strlen(text) > gutter ? (int)strlen(text) : gutter;
     }
     gutter += 1;
@@ -146,8 +146,8 @@ bool heat_print(const struct heat *heat, int width, int height, const struct cha
                                                     line % (rows / 8) == 0 || line == rows - 1);
         text[0] = '\0';
         if (labelled)
-            label(heat->y.value[first], heat->y.factor, text);
-        put_times(output, ' ', gutter - 1 - (int)strlen(text));
+            format_label(heat->y.value[first], heat->y.factor, text);
+        put_repeated(output, ' ', gutter - 1 - (int)strlen(text));
         buffer_put(output, text_of(text));
         buffer_char(output, '|');
         for (int column = 0; column < columns; column++) {
@@ -159,9 +159,9 @@ bool heat_print(const struct heat *heat, int width, int height, const struct cha
             output->data[--output->len] = '\0';
         buffer_char(output, '\n');
     }
-    put_times(output, ' ', gutter - 1);
+    put_repeated(output, ' ', gutter - 1);
     buffer_char(output, '+');
-    put_times(output, '-', columns);
+    put_repeated(output, '-', columns);
     buffer_char(output, '\n');
     put_x_labels(heat, gutter, columns, output);
     if (scale.low <= scale.high && heat->letters)

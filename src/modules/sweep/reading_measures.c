@@ -161,7 +161,7 @@ static bool is_plain(struct text text)
 
 /* Returns the index of the matching ')', or text.len if none matches. Sets *one if it encloses a
  * single argument. */
-static size_t closing(struct text text, size_t open, bool *one)
+static size_t find_closing_paren(struct text text, size_t open, bool *one)
 {
     int depth = 0;
     *one = true;
@@ -174,7 +174,7 @@ static size_t closing(struct text text, size_t open, bool *one)
     return text.len;
 }
 
-static struct text slice(struct text text, size_t begin, size_t end)
+static struct text text_between(struct text text, size_t begin, size_t end)
 {
     return (struct text){text.data + begin, end - begin};
 }
@@ -233,13 +233,14 @@ static bool find_reductions(struct formula_reader *r)
         while (open < text.len && text.data[open] == ' ')
             open++;
         bool one, reduces = false;
-        const size_t close =
-            open < text.len && text.data[open] == '(' ? closing(text, open, &one) : text.len;
-        const struct text word = slice(text, i, end);
+        const size_t close = open < text.len && text.data[open] == '('
+                                 ? find_closing_paren(text, open, &one)
+                                 : text.len;
+        const struct text word = text_between(text, i, end);
         i = end - 1;
         if (close == text.len)
             continue;
-        const struct text inner = text_trim(slice(text, open + 1, close));
+        const struct text inner = text_trim(text_between(text, open + 1, close));
         for (size_t w = 0; w < COUNT_OF(words); w++)
             reduces |= text_is(word, words[w]) && one;
         if (!reduces && !(text_is(inner, "end") && is_plain(word)))
@@ -249,7 +250,7 @@ static bool find_reductions(struct formula_reader *r)
         if (r->reductions == REDUCTIONS_MAX)
             return error_at(r->error, word, "the expression has more than %d reductions",
                             REDUCTIONS_MAX);
-        if (!read_reduction(r, slice(text, begin, close + 1), word, inner, made))
+        if (!read_reduction(r, text_between(text, begin, close + 1), word, inner, made))
             return false;
         r->reductions++;
         made->cursor = r->copy + begin;
@@ -353,8 +354,8 @@ static const struct sweep_formula *read_formula(struct formula_reader *r)
     size_t used;
     const struct text copy = {r->copy, r->text.len};
     const struct expr *expr = expr_compile(copy, &scope, r->parser->arena, &used, r->error);
-    if (expr && text_trim(slice(copy, used, copy.len)).len > 0) {
-        error_at(r->error, text_trim(slice(copy, used, copy.len)),
+    if (expr && text_trim(text_between(copy, used, copy.len)).len > 0) {
+        error_at(r->error, text_trim(text_between(copy, used, copy.len)),
                  "this cannot be part of an expression");
         expr = NULL;
     }
@@ -385,13 +386,13 @@ static bool next_item(struct text *rest, struct text *item)
         return false;
     for (; end < rest->len && !(depth <= 0 && rest->data[end] == ','); end++)
         depth += (rest->data[end] == '(') - (rest->data[end] == ')');
-    *item = text_trim(slice(*rest, 0, end));
-    *rest = slice(*rest, end < rest->len ? end + 1 : end, rest->len);
+    *item = text_trim(text_between(*rest, 0, end));
+    *rest = text_between(*rest, end < rest->len ? end + 1 : end, rest->len);
     const char quote = item->len > 0 && strchr("\"'", item->data[0]) ? item->data[0] : '"';
     if (item->len > 0 && item->data[0] == quote)
-        *item = text_trim(slice(*item, 1, item->len));
+        *item = text_trim(text_between(*item, 1, item->len));
     if (item->len > 0 && item->data[item->len - 1] == quote)
-        *item = text_trim(slice(*item, 0, item->len - 1));
+        *item = text_trim(text_between(*item, 0, item->len - 1));
     return true;
 }
 
@@ -401,10 +402,10 @@ static bool is_formula(struct text item)
     bool one;
     const char *paren = memchr(item.data, '(', item.len);
     const size_t open = paren ? (size_t)(paren - item.data) : item.len;
-    if (!paren || closing(item, open, &one) != item.len - 1)
+    if (!paren || find_closing_paren(item, open, &one) != item.len - 1)
         return !is_plain(item) && item.len > 0;
-    const struct text word = text_trim(slice(item, 0, open)),
-                      inner = text_trim(slice(item, open + 1, item.len - 1));
+    const struct text word = text_trim(text_between(item, 0, open)),
+                      inner = text_trim(text_between(item, open + 1, item.len - 1));
     return !catalog_find(&sweep_measure_catalog, word) || !is_plain(inner) || text_is(inner, "end");
 }
 

@@ -125,7 +125,7 @@ struct growing_file {
 };
 
 /* Returns true if the file exists. */
-static bool is_there(const char *path)
+static bool file_exists(const char *path)
 {
     struct stat st;
     return lstat(path, &st) == 0;
@@ -450,7 +450,7 @@ static void reply_file(const struct growing_file *g, double seconds, struct repl
 }
 
 /* Sets the error of a stopped sweep, with how many points the file has. */
-static void say_kept(const struct growing_file *g, struct error *error)
+static void set_stopped_error(const struct growing_file *g, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
     int64_t has = 0;
@@ -476,7 +476,7 @@ bool sweep_into_file(struct session *session, const struct arguments *args,
     if (!g.file.path)
         return error_memory(error);
     char name[SAFE_NAME_SIZE];
-    bool ok = request->axes > 0 || is_there(g.file.path) ||
+    bool ok = request->axes > 0 || file_exists(g.file.path) ||
               (error_set(error, ERROR_IO, "%s does not exist", safe_name(options->file, name)) ||
                error_hint(error, "sweep NAME=FROM:TO --resume FILE begins it"));
     ok = ok && prepare_resume(&g, args, error) && growing_file_complete(&g, options->force, error);
@@ -484,7 +484,7 @@ bool sweep_into_file(struct session *session, const struct arguments *args,
     if (ok)
         reply_file(&g, clock_seconds(begin), reply);
     else if (error->code == ERROR_CANCELLED && g.computed > 0)
-        say_kept(&g, error);
+        set_stopped_error(&g, error);
     if (!ok && !error->where.data)
         error->where = options->file;
     writer_abandon(&g.writer);

@@ -53,7 +53,7 @@ void sweep_keep_stopped(struct session *session, struct text statement, struct s
 
 /* Lets the log have the whole sweep instead of `continue`, so that a script made of it does not
  * depend on the stop. */
-static void mean_sweep(struct session *session, const char *statement)
+static void log_whole_sweep(struct session *session, const char *statement)
 {
     struct buffer text = {0};
     buffer_format(&text, "sweep %s", statement);
@@ -83,7 +83,7 @@ bool sweep_continue(struct session *session, const struct arguments *args, struc
         sweep_statement(session, args, text_of(statement), &stopped->found, reply, error);
     session->studies.points = 0;
     if (ok)
-        mean_sweep(session, statement);
+        log_whole_sweep(session, statement);
     if (ok || part->stopped)
         stopped_free(stopped);
     else

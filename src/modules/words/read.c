@@ -153,7 +153,7 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
 }
 
 /* Returns how far a curve that rises or falls goes back at most. */
-static double goes_back(const struct points *p, bool rises)
+static double largest_return(const struct points *p, bool rises)
 {
     double furthest = p->y[0], back = 0;
     for (size_t i = 1; points_go_on(p, i); i++) {
@@ -166,7 +166,7 @@ static double goes_back(const struct points *p, bool rises)
 
 /* Returns true, and the level, if the curve is noise around a level: the means of its first and
  * last third do not differ. */
-static bool scatters(const struct points *p, struct curve_reading *reading)
+static bool is_scattered(const struct points *p, struct curve_reading *reading)
 {
     const size_t third = p->n / 3;
     double sum[2] = {0}, mean = 0, square = 0;
@@ -197,7 +197,7 @@ static void read_trend(const struct figure *figure, const struct curve *curve,
     const double first = p->y[0], last = p->y[p->n - 1], least = reading->low.y,
                  most = reading->high.y;
     const bool one_sign = least > 0 || most < 0;
-    if (reading->turns == 0 && scatters(p, reading)) {
+    if (reading->turns == 0 && is_scattered(p, reading)) {
         reading->course = COURSE_SCATTERS;
         return;
     }
@@ -205,7 +205,7 @@ static void read_trend(const struct figure *figure, const struct curve *curve,
         const bool rises = last > first;
         const double least_back = fmax(TURN_SIGMAS * p->noise, TURN_ROUNDING * (most - least));
         reading->course = rises ? COURSE_RISES : COURSE_FALLS;
-        reading->all_along = goes_back(p, rises) <= least_back;
+        reading->all_along = largest_return(p, rises) <= least_back;
     }
     if (one_sign && reading->turns == 0 && isfinite(last / first) && isfinite(first / last))
         reading->factor = reading->end.y / reading->start.y;
@@ -279,7 +279,7 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
     }
     find_noise(curve, arena, points);
     reading->noise = points->noise;
-    if (scatters(points, reading) && reading->spread < ALL_NOISE * points->noise) {
+    if (is_scattered(points, reading) && reading->spread < ALL_NOISE * points->noise) {
         reading->course = COURSE_SCATTERS; /* a few outliers are not swings */
         return true;
     }
@@ -395,7 +395,7 @@ static bool read_order(const struct figure *figure, struct arena *arena,
 /* ---- what the axes hold ---- */
 
 /* Extends the range so that it holds [low, high]. */
-static void extend(double range[2], double low, double high)
+static void range_extend(double range[2], double low, double high)
 {
     range[0] = low < range[0] ? low : range[0];
     range[1] = high > range[1] ? high : range[1];
@@ -411,12 +411,12 @@ static void read_ranges(const struct figure *figure, const struct points *points
         const int panel = figure->second && figure->curve[i].panel > 0;
         for (size_t k = 0; points_go_on(&points[i], k); k++) {
             const double coordinate = points[i].x[k];
-            extend(x[panel], coordinate, coordinate);
+            range_extend(x[panel], coordinate, coordinate);
             if (!figure->plane && panel)
-                extend(x[0], coordinate, coordinate);
+                range_extend(x[0], coordinate, coordinate);
         }
         if (points[i].n > 0)
-            extend(y[panel], reading->curve[i].low.y, reading->curve[i].high.y);
+            range_extend(y[panel], reading->curve[i].low.y, reading->curve[i].high.y);
     }
     const struct axis *axis[2][2] = {{&figure->x, &figure->y},
                                      {figure->second ? &figure->second[0] : &figure->x,

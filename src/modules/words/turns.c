@@ -33,7 +33,7 @@ struct turn {
 
 /* Returns the vertex of the parabola through point i and its neighbours, or the point itself if it
  * is noisy or at an end. */
-static struct turn refined(const struct points *p, size_t i)
+static struct turn refined_turn(const struct points *p, size_t i)
 {
     const struct turn plain = {p->x[i], p->y[i], i};
     if (i == 0 || i + 1 >= p->n || p->noise > 0)
@@ -66,7 +66,7 @@ static size_t find_turns(const struct points *p, double least, struct turn *turn
         const size_t row = falls ? high : low;
         if (way != 0 || fabs(p->y[row] - p->y[0]) > back) {
             if (turn)
-                turn[count] = refined(p, row);
+                turn[count] = refined_turn(p, row);
             count++;
         }
         swing = now;
@@ -78,7 +78,7 @@ static size_t find_turns(const struct points *p, double least, struct turn *turn
 
 /* Returns the middle around turning point i, a mean of it and its neighbours that has the same
  * place in each period of a growing or decaying motion. */
-static double middle(const struct turn *turn, size_t count, size_t i)
+static double turn_middle(const struct turn *turn, size_t count, size_t i)
 {
     if (count < 3)
         return 0.5 * (turn[0].y + turn[count - 1].y);
@@ -94,15 +94,15 @@ static bool keeps_middle(const struct turn *turn, size_t count)
 {
     size_t jumps = 0;
     for (size_t i = 0; i + 1 < count; i++)
-        jumps += fabs(middle(turn, count, i + 1) - middle(turn, count, i)) >
+        jumps += fabs(turn_middle(turn, count, i + 1) - turn_middle(turn, count, i)) >
                  MIDDLE_JUMP_MAX * fabs(turn[i + 1].y - turn[i].y);
     return (double)jumps <= (1 - REGULAR_SHARE_MIN) * (double)count;
 }
 
 /* Returns x where the curve crosses the level between two points, or NAN if it does not.
  * Searches from both ends, since noise crosses it several times. */
-static double crossing(const struct points *p, size_t search_first, size_t search_last,
-                       double level)
+static double find_crossing(const struct points *p, size_t search_first, size_t search_last,
+                            double level)
 {
     size_t first = 0, last = 0;
     for (size_t i = search_first + 1; i <= search_last; i++)
@@ -229,8 +229,8 @@ static void read_amplitudes(const struct points *p, const struct turn *turn, siz
         sxx += x * x;
         sxy += x * log(amplitude);
     }
-    reading->level[0] = middle(turn, count, 0);
-    reading->level[1] = middle(turn, count, count - 1);
+    reading->level[0] = turn_middle(turn, count, 0);
+    reading->level[1] = turn_middle(turn, count, count - 1);
     if (n < 2)
         return;
     const double slope = (n * sxy - sx * sy) / (n * sxx - sx * sx),
@@ -274,11 +274,12 @@ bool read_turns(const struct points *points, bool timed, struct arena *arena,
         const size_t last = i < count ? turn[i].index : points->n - 1;
         double level;
         if (i == 0)
-            level = middle(turn, count, 0);
+            level = turn_middle(turn, count, 0);
         else
-            level = i == count ? middle(turn, count, count - 1)
-                               : 0.5 * (middle(turn, count, i - 1) + middle(turn, count, i));
-        const double x = crossing(points, first, last, level);
+            level = i == count
+                        ? turn_middle(turn, count, count - 1)
+                        : 0.5 * (turn_middle(turn, count, i - 1) + turn_middle(turn, count, i));
+        const double x = find_crossing(points, first, last, level);
         if (isfinite(x))
             x_crossing[crossings++] = x;
     }

@@ -14,7 +14,7 @@ struct frame {
 };
 
 /* Returns the direction of a point from the centre. */
-static double angle(const struct frame *f, struct curve_point p)
+static double direction_angle(const struct frame *f, struct curve_point p)
 {
     return atan2((p.y - f->centre.y) / f->half.y, (p.x - f->centre.x) / f->half.x);
 }
@@ -34,7 +34,8 @@ static double turns_about(const struct frame *f, const struct points *p, double 
         const double whole = pass ? TWO_PI * floor(fabs(sum) / TWO_PI) : HUGE_VAL;
         double turned = 0;
         for (size_t i = 1; points_go_on(p, i); i++) {
-            const double step = remainder(angle(f, point_at(p, i)) - angle(f, point_at(p, i - 1)),
+            const double step = remainder(direction_angle(f, point_at(p, i)) -
+                                              direction_angle(f, point_at(p, i - 1)),
                                           TWO_PI),
                          previous = fabs(turned);
             turned += step;

@@ -7,7 +7,7 @@
 
 /* Splits off the text in {braces}, or what comes before them, as a condition may lack them. Returns
  * false if there is none. */
-static bool braced(struct text *rest, struct text *inside)
+static bool take_braced(struct text *rest, struct text *inside)
 {
     *rest = text_trim(*rest);
     const char *open = rest->len > 0 ? memchr(rest->data, '{', rest->len) : NULL;
@@ -63,7 +63,7 @@ bool ode_event(struct ode *ode, const struct ode_line *line, struct text rest,
     if (text_is(sign, "0"))
         return ode_error(ode->error, line->number, "an event needs the sign 1 or -1");
     if (!(text_is(sign, "1") || text_is(sign, "-1") || text_is(sign, "+1")) ||
-        !braced(&rest, &condition) || !braced(&rest, &resets))
+        !take_braced(&rest, &condition) || !take_braced(&rest, &resets))
         return ode_error(ode->error, line->number,
                          "write an event as global 1 {CONDITION} {NAME=FORMULA;...}, or -1");
     struct buffer when = {0}, commands = {0};

@@ -55,7 +55,7 @@ static bool ode_line_add(struct ode_lines *r, struct text text, int number)
 /* ---- arrays ---- */
 
 /* Returns the integer at the begin of the text, at most about 1e7, or 0 if there is none. */
-static long whole(struct text text)
+static long leading_integer(struct text text)
 {
     long value = 0;
     text = text_trim(text);
@@ -73,8 +73,8 @@ static const char *text_find(struct text text, char c)
 
 /* Reads an index in brackets, 5, j, j+1, j-1 or j*2, where *j is the index of the array, or NULL
  * outside of arrays. Returns false with an error. */
-static bool subscript(struct text inside, const long *j, int number, long *value,
-                      struct error *error)
+static bool read_subscript(struct text inside, const long *j, int number, long *value,
+                           struct error *error)
 {
     inside = text_trim(inside);
     const bool letter = inside.len > 0 && inside.data[0] == 'j';
@@ -92,11 +92,11 @@ static bool subscript(struct text inside, const long *j, int number, long *value
                          "[%.*s] is not an index of an array; use a number, j, j+1 or j*2",
                          (int)(inside.len < 40 ? inside.len : 40), inside.data);
     if (!letter)
-        *value = whole(rest);
+        *value = leading_integer(rest);
     else if (sign == '*')
-        *value = *j * whole(rest);
+        *value = *j * leading_integer(rest);
     else
-        *value = *j + (sign == '-' ? -whole(rest) : whole(rest));
+        *value = *j + (sign == '-' ? -leading_integer(rest) : leading_integer(rest));
     return true;
 }
 
@@ -124,9 +124,9 @@ static bool write_out(struct ode_lines *r, struct text line, int number, const l
         } else {
             const char *begin = line.data + i + 1;
             long value = j ? *j : 0;
-            fine =
-                (begin == range_begin && end == range_end) ||
-                subscript((struct text){begin, (size_t)(end - begin)}, j, number, &value, r->error);
+            fine = (begin == range_begin && end == range_end) ||
+                   read_subscript((struct text){begin, (size_t)(end - begin)}, j, number, &value,
+                                  r->error);
             buffer_format(&output, "%ld", value);
             i = (size_t)(end - line.data);
         }
@@ -150,8 +150,8 @@ static bool range_of(struct text line, const char **begin, const char **end, lon
             return false;
         for (const char *dots = cursor; dots + 1 < *end; dots++)
             if (dots[0] == '.' && dots[1] == '.') {
-                *a = whole((struct text){cursor, (size_t)(dots - cursor)});
-                *b = whole((struct text){dots + 2, (size_t)(*end - dots - 2)});
+                *a = leading_integer((struct text){cursor, (size_t)(dots - cursor)});
+                *b = leading_integer((struct text){dots + 2, (size_t)(*end - dots - 2)});
                 return true;
             }
     }
@@ -276,7 +276,7 @@ bool ode_lines(struct text file, struct arena *arena, struct ode_line **line, in
             fine = error_memory(error);
         else if (whole_line.len > 0 && is_done(whole_line))
             break;
-        else if (begin == 1 && whole(whole_line) > 0)
+        else if (begin == 1 && leading_integer(whole_line) > 0)
             fine = ode_error(
                 error, 1,
                 "this is a file of the old style, which begins with the number of its equations");

@@ -120,7 +120,7 @@ static node in_parentheses(struct ode_parser *p)
 }
 
 /* Parses what follows `if`: (condition)then(a)else(b). Returns NULL with an error. */
-static node choice(struct ode_parser *p)
+static node parse_choice(struct ode_parser *p)
 {
     const node condition = in_parentheses(p);
     if (condition && !ode_word_take(p, "then"))
@@ -165,7 +165,7 @@ static struct ode_node *call_parse(struct ode_parser *p, struct text name)
 }
 
 /* Parses a sum, sum(from,to)of(formula), of which the name was read. Returns NULL with an error. */
-static node series(struct ode_parser *p, struct text name)
+static node parse_series(struct ode_parser *p, struct text name)
 {
     struct ode_node *ends = call_parse(p, name);
     if (!ends)
@@ -198,13 +198,13 @@ static node word_parse(struct ode_parser *p)
     if (next == '\'')
         return parser_fail(p, "a derivative can be only on the left side");
     if (text_is(name, "if"))
-        return choice(p);
+        return parse_choice(p);
     if (text_is(name, "not"))
         return parser_fail(p, "'not' needs an operator before it");
     if (text_is(name, "int") && (next == '{' || next == '['))
         return parser_fail(p, "scenes have no integral equations (Volterra):");
     if (parser_peek(p) == '(')
-        return text_is(name, "sum") ? series(p, name) : call_parse(p, name);
+        return text_is(name, "sum") ? parse_series(p, name) : call_parse(p, name);
     struct ode_node *made = parser_node_make(p, NODE_NAME, 0);
     if (made)
         made->name = name;
@@ -267,23 +267,24 @@ static bool takes_not(struct ode_parser *p)
 }
 
 /* Parses a power, which `not` may precede. Returns NULL with an error. */
-static node factor(struct ode_parser *p)
+static node parse_factor(struct ode_parser *p)
 {
     return takes_not(p) ? sign_node_make(p, '!', parse_power(p)) : parse_power(p);
 }
 
 /* Parses a chain of products; the `first` one of a sum may begin with a minus sign. Returns NULL
  * with an error. */
-static node product(struct ode_parser *p, bool first)
+static node parse_product(struct ode_parser *p, bool first)
 {
-    node left = first && ode_word_take(p, "-") ? sign_node_make(p, '-', factor(p)) : factor(p);
+    node left =
+        first && ode_word_take(p, "-") ? sign_node_make(p, '-', parse_factor(p)) : parse_factor(p);
     while (left) {
         const char op = parser_peek(p);
         const bool doubled = p->position + 1 < p->text.len && p->text.data[p->position + 1] == '*';
         if (op != '/' && op != '&' && (op != '*' || doubled))
             break;
         p->position++;
-        left = ode_node_join(p, NODE_JOIN, op, false, left, factor(p));
+        left = ode_node_join(p, NODE_JOIN, op, false, left, parse_factor(p));
     }
     return left;
 }
@@ -293,13 +294,13 @@ static node sum_parse(struct ode_parser *p)
 {
     if (++p->depth > DEEPEST)
         return parser_fail(p, "nested too deeply");
-    node left = product(p, true);
+    node left = parse_product(p, true);
     while (left) {
         const char op = parser_peek(p);
         if (op != '+' && op != '-' && op != '|')
             break;
         p->position++;
-        left = ode_node_join(p, NODE_JOIN, op, false, left, product(p, false));
+        left = ode_node_join(p, NODE_JOIN, op, false, left, parse_product(p, false));
     }
     p->depth--;
     return left;

@@ -15,7 +15,7 @@ static struct text statement_tail(struct text text, size_t position)
 }
 
 /* Returns the number of characters of a text that errors show. */
-static int shown(struct text text)
+static int shown_length(struct text text)
 {
     return (int)(text.len < 60 ? text.len : 60);
 }
@@ -77,15 +77,16 @@ static struct ode_symbol *ode_symbol_add(struct ode_statements *s, enum ode_kind
 {
     struct ode *ode = &s->ode;
     if (kind != ODE_AUX && !is_name(name)) {
-        ode_error(ode->error, line, "'%.*s' is not a name", shown(name), name.data);
+        ode_error(ode->error, line, "'%.*s' is not a name", shown_length(name), name.data);
         return NULL;
     }
     const struct ode_symbol *other = kind == ODE_AUX ? NULL : ode_find(ode, name);
     if (other)
-        ode_error(ode->error, line, "'%.*s' is defined twice: in line %d", shown(name), name.data,
-                  other->line);
+        ode_error(ode->error, line, "'%.*s' is defined twice: in line %d", shown_length(name),
+                  name.data, other->line);
     else if (kind != ODE_AUX && (text_is(name, "t") || text_is(name, "pi")))
-        ode_error(ode->error, line, "'%.*s' already means something", shown(name), name.data);
+        ode_error(ode->error, line, "'%.*s' already means something", shown_length(name),
+                  name.data);
     else if (ode->symbols == ODE_SYMBOLS)
         ode_error(ode->error, line, "the file has more than %d names", ODE_SYMBOLS);
     else if (ode_grow(ode, &ode->symbol, ode->symbols, &ode->capacity, sizeof *ode->symbol))
@@ -125,7 +126,7 @@ static bool take_initial(struct ode_statements *s, int line, struct text name, s
     if (value.len == 0 || real_parse(value, &initial->value) == REAL_OK)
         return true;
     return ode_error(s->ode.error, line, "%.*s(0)=%.*s: an initial value must be a number",
-                     shown(name), name.data, shown(value), value.data);
+                     shown_length(name), name.data, shown_length(value), value.data);
 }
 
 /* Adds initial values NAME=VALUE. Returns false with an error. */
@@ -246,7 +247,7 @@ static bool ode_keyword_take(struct ode_statements *s, const struct ode_line *li
         return words[i].take ? words[i].take(s, line->number, rest)
                              : ode_error(s->ode.error, line->number, "%s", words[i].why);
     }
-    return ode_error(s->ode.error, line->number, "unknown statement '%.*s'", shown(word),
+    return ode_error(s->ode.error, line->number, "unknown statement '%.*s'", shown_length(word),
                      word.data);
 }
 

@@ -23,7 +23,7 @@ static bool is_setting(struct text name)
 
 /* Makes the name of the scene from that of the file, with "-ode" if the program has a scene of that
  * name. */
-static void name_of(struct text file, char name[LIMIT_SYMBOL + 1])
+static void scene_name_of(struct text file, char name[LIMIT_SYMBOL + 1])
 {
     static const char mark[] = "-ode";
     struct text base = text_last_component(file);
@@ -40,7 +40,7 @@ static void name_of(struct text file, char name[LIMIT_SYMBOL + 1])
 }
 
 /* Prefixes the error with "FILE: ", since its position is in that file. */
-static bool in_file(struct text file, struct error *error)
+static bool name_file_in_error(struct text file, struct error *error)
 {
     char text[sizeof error->text], name[SAFE_NAME_SIZE];
     memcpy(text, error->text, sizeof text);
@@ -52,7 +52,7 @@ static bool in_file(struct text file, struct error *error)
 }
 
 /* Adds to the error which line of the file caused it. */
-static void name_line(const struct ode_scene *scene, struct error *error)
+static void name_line_in_error(const struct ode_scene *scene, struct error *error)
 {
     char text[sizeof error->text];
     const struct typed_line *line = scene->line, *end = line + scene->lines;
@@ -143,12 +143,12 @@ static bool ode_scene_take(struct session *session, const struct arguments *args
     char name[LIMIT_SYMBOL + 1];
     if (!system)
         return error_memory(error);
-    name_of(file, name);
+    scene_name_of(file, name);
     const struct model *model =
         typed_make(session->definitions.models, text_of(name), ode_scene->line, ode_scene->lines,
                    session->front.cancel, error);
     if (!model) {
-        name_line(ode_scene, error);
+        name_line_in_error(ode_scene, error);
         return false;
     }
     scene_init(&setup->scene, typed_preset(model));
@@ -254,11 +254,11 @@ static bool ode_load(struct session *session, const struct arguments *args, stru
     else
         error_memory(error);
     if (fine && !ode_read(buffer_text(&content), &options, args->arena, &ode_scene, error))
-        fine = in_file(file, error);
+        fine = name_file_in_error(file, error);
     buffer_free(&content);
     if (fine && !ode_scene_take(session, args, file, &ode_scene, error)) {
         session->setup = *previous;
-        fine = in_file(file, error);
+        fine = name_file_in_error(file, error);
     }
     if (!fine)
         return false;

@@ -38,7 +38,7 @@ static double ellipse_swing(const double matrix[4])
 }
 
 /* Returns the Frobenius norm. */
-static double matrix_size(const double matrix[4])
+static double matrix_norm(const double matrix[4])
 {
     return hypot(hypot(matrix[0], matrix[1]), hypot(matrix[2], matrix[3]));
 }
@@ -61,7 +61,7 @@ static double exact_factor(const struct run *run, double omega)
 
 /* Predicts growth and energy of a finished run. Returns known = false unless the scene is an
  * undriven oscillator without gravity and the steps are fixed. */
-static struct prediction predict(const struct run *run)
+static struct prediction predict_energy(const struct run *run)
 {
     const struct oscillator *o = &run->system.oscillator;
     struct prediction prediction = {
@@ -96,7 +96,7 @@ static struct prediction predict(const struct run *run)
     prediction.exact = exact_factor(run, omega);
     prediction.swing = one_step ? ellipse_swing(matrix) : NAN;
     if (one_step && isnan(prediction.swing)) /* growth of single steps beyond the spectral radius */
-        prediction.swing = fmax(2 * log(matrix_size(matrix) / prediction.growth), 0);
+        prediction.swing = fmax(2 * log(matrix_norm(matrix) / prediction.growth), 0);
     return prediction;
 }
 
@@ -134,7 +134,8 @@ static void put_energy_off(double error, struct buffer *output)
 }
 
 /* Appends a verdict from the observed energy alone, for runs without a prediction. */
-static void observe(const struct comparison *row, const char *span, struct buffer *output)
+static void put_observed_energy(const struct comparison *row, const char *span,
+                                struct buffer *output)
 {
     const struct run *run = row->run;
     const struct ledger *ledger = &row->ledger;
@@ -172,8 +173,8 @@ static void observe(const struct comparison *row, const char *span, struct buffe
 
 /* Appends the observed energy beside the predicted one and whether they agree; sets
  * predicted_factor, grows and shrinks of the row. */
-static void confirm(struct comparison *row, const struct prediction *prediction, const char *span,
-                    struct buffer *output)
+static void put_predicted_energy(struct comparison *row, const struct prediction *prediction,
+                                 const char *span, struct buffer *output)
 {
     const bool conservative = row->run->system.conservative;
     const double predicted = 2 * prediction->amplitude, /* the factor may be below all numbers */
@@ -217,7 +218,7 @@ static void comparison_verdict(struct comparison *row)
     const double span = fabs(run->t - run->system.t0);
     struct buffer text = {0};
     const struct prediction prediction =
-        run->stop == STOP_END ? predict(run) : (struct prediction){0};
+        run->stop == STOP_END ? predict_energy(run) : (struct prediction){0};
     if (run->stop == STOP_GIVEN_UP) {
         buffer_format(
             &text, "given up at t = %.4g s after %lld steps; all %.2g s would need about %.1g%s",
@@ -230,9 +231,9 @@ static void comparison_verdict(struct comparison *row)
     } else {
         const char *shown = SHOWN_QUANTITY(span, QUANTITY_TIME, 4);
         if (prediction.known)
-            confirm(row, &prediction, shown, &text);
+            put_predicted_energy(row, &prediction, shown, &text);
         else
-            observe(row, shown, &text);
+            put_observed_energy(row, shown, &text);
         if (!prediction.known && !isnan(row->errors.max))
             buffer_format(&text, ", error %.2g of the amplitude", row->errors.max);
     }
@@ -243,8 +244,8 @@ static void comparison_verdict(struct comparison *row)
 /* Sets end and max error of a row whose scene has no closed form: solves once more, on the common
  * grid, and compares with the reference. Leaves them unchanged if out of memory or if the solve
  * fails. */
-static void measure(struct comparison *row, const struct reference *reference,
-                    const struct cancel *cancel)
+static void measure_errors(struct comparison *row, const struct reference *reference,
+                           const struct cancel *cancel)
 {
     const struct run *run = row->run;
     const size_t size = (size_t)STUDY_TIMES * (size_t)run->system.n;
@@ -308,7 +309,7 @@ static bool compare_one(const struct compare_request *request, const struct meth
         row->reference_stored = reference->stored;
         row->errors.floor = reference->accuracy;
         if (row->run->stop == STOP_END)
-            measure(row, reference, request->cancel);
+            measure_errors(row, reference, request->cancel);
     }
     run_ledger(row->run, &row->ledger);
     row->energy_factor = row->ledger.factor;

@@ -21,14 +21,14 @@ struct phase_turn {
 };
 
 /* Returns amplitude and phase of a state of the linear oscillator, around its resting position. */
-static struct phase_turn turn_of(const struct oscillator *o, const double *y)
+static struct phase_turn oscillator_turn(const struct oscillator *o, const double *y)
 {
     const double q = y[0] + o->gravity / o->stiffness, p = y[1] / sqrt(o->stiffness);
     return (struct phase_turn){hypot(q, p), atan2(-p, q)};
 }
 
 /* Returns the mechanical energy of a state. */
-static double energy(const struct system *system, const double *y)
+static double mechanical_energy(const struct system *system, const double *y)
 {
     return system_kinetic(system, y) + system_potential(system, y);
 }
@@ -40,7 +40,7 @@ void grid_errors(const struct system *system, const struct reference *reference,
     const struct oscillator *o = &system->oscillator;
     const bool turns = system->order == 2 && n == 2 && o->whole && o->stiffness > 0,
                mechanics = system->order == 2;
-    const double start = mechanics ? energy(system, system->start) : NAN;
+    const double start = mechanics ? mechanical_energy(system, system->start) : NAN;
     double max = 0, missing = 0, scale = 0, phase = turns ? 0 : NAN, amplitude = NAN;
     for (int k = 0; k <= last; k++) {
         const double *y = grid + k * n, *exact = reference->y + k * n;
@@ -48,12 +48,12 @@ void grid_errors(const struct system *system, const struct reference *reference,
             continue;
         max = fmax(max, grid_distance(reference, y, exact));
         if (mechanics) {
-            const double wanted = system->conservative ? start : energy(system, exact);
-            missing = fmax(missing, fabs(energy(system, y) - wanted));
+            const double wanted = system->conservative ? start : mechanical_energy(system, exact);
+            missing = fmax(missing, fabs(mechanical_energy(system, y) - wanted));
             scale = fmax(scale, fabs(wanted));
         }
         if (turns) {
-            const struct phase_turn a = turn_of(o, y), b = turn_of(o, exact);
+            const struct phase_turn a = oscillator_turn(o, y), b = oscillator_turn(o, exact);
             /* A motion that has vanished has no phase. Otherwise the difference is followed across
              * +-pi. */
             if (a.size == 0 && b.size > 0)

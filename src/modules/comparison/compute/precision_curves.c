@@ -157,7 +157,7 @@ static enum stop curve_solve(const struct sweeping *sweep, struct solver *solver
 
 /* Solves and measures a point, which is first tried by lost_in_probe() unless the setting is
  * `wanted` by the user. Returns false if out of memory. */
-static bool measure(struct sweeping *sweep, struct precision_point *point, bool wanted)
+static bool measure_point(struct sweeping *sweep, struct precision_point *point, bool wanted)
 {
     const struct precision *precision = sweep->precision;
     const struct precision_curve *curve = sweep->curve;
@@ -192,8 +192,8 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
     solver_free(&solver);
     if (point->stop == STOP_END) {
         grid_errors(&precision->system, &precision->reference, sweep->grid, &point->errors);
-        witness_explain(&sweep->witnesses, precision->curves, &precision->reference,
-                        curve->choice.method, point->steps, sweep->grid);
+        witness_store(&sweep->witnesses, precision->curves, &precision->reference,
+                      curve->choice.method, point->steps, sweep->grid);
     }
     point->is_below_reference = point->errors.max <= precision->reference.accuracy;
     return true;
@@ -201,7 +201,7 @@ static bool measure(struct sweeping *sweep, struct precision_point *point, bool 
 
 /* Returns true if the point just measured ends the sweep: by failures, by errors that no longer
  * fall, by the cost of the next point, or by the share of time `fraction` [s] of the curve. */
-static bool finished(struct sweeping *sweep, const struct precision_point *point, double fraction)
+static bool ends_sweep(struct sweeping *sweep, const struct precision_point *point, double fraction)
 {
     struct precision_curve *curve = sweep->curve;
     const double error = point->errors.max, accuracy = sweep->precision->reference.accuracy;
@@ -272,7 +272,7 @@ static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *e
     struct precision_point next = {.curve = precision->curves};
     for (int i = 0; setting_at(sweep, i, &next); i++) {
         struct precision_point point = next;
-        if (!measure(sweep, &point, wanted))
+        if (!measure_point(sweep, &point, wanted))
             return error_memory(error);
         if (cancelled(sweep->request->cancel))
             return error_set(error, ERROR_CANCELLED, "stopped");
@@ -287,7 +287,7 @@ static bool sweep_curve(struct sweeping *sweep, double fraction, struct error *e
         if (!index)
             return error_memory(error);
         *index = point;
-        const bool is_finished = finished(sweep, &point, fraction);
+        const bool is_finished = ends_sweep(sweep, &point, fraction);
         if (is_finished && (!wanted || curve->cut))
             break;
     }

@@ -23,7 +23,7 @@
 #define PRECISION_POINTS 64 /* largest number of points of a curve that are fitted */
 
 /* Returns the logarithm of the point's step or tolerance. */
-static double abscissa(const struct precision_point *point)
+static double log_setting(const struct precision_point *point)
 {
     return log(point->tol > 0 ? point->tol : point->dt);
 }
@@ -42,7 +42,8 @@ static double typical_order(const struct precision_point *point, int begin, int 
 
 /* Returns true for few steps of a multistep method, many of which its starter made, so that the
  * error is not yet its own. */
-static bool mostly_started(const struct precision_curve *curve, const struct precision_point *point)
+static bool is_mostly_started(const struct precision_curve *curve,
+                              const struct precision_point *point)
 {
     const struct method *method = curve->choice.method;
     return (method->flags & METHOD_MULTISTEP) && point->steps < STARTED_STEPS * method->order;
@@ -53,8 +54,8 @@ static bool mostly_started(const struct precision_curve *curve, const struct pre
  * falls below the accuracy of the reference times BAND_BOTTOM. Below ROUNDING_ERROR_MAX they end
  * where the error falls less than half as fast as it typically does; the point before that is left
  * out, too, as it has some of the rounding already. */
-static int asymptotic(const struct precision *precision, const struct precision_curve *curve,
-                      int *first)
+static int find_asymptotic(const struct precision *precision, const struct precision_curve *curve,
+                           int *first)
 {
     const struct precision_point *point = precision->point + curve->first;
     const double bottom = fmax(BAND_BOTTOM * precision->reference.accuracy, 1e-13);
@@ -66,7 +67,7 @@ static int asymptotic(const struct precision *precision, const struct precision_
             best = i;
     for (int i = 0; i < curve->count && i <= best; i++)
         if (!precision_meaningful(&point[i]) || point[i].errors.max >= BAND_TOP ||
-            mostly_started(curve, &point[i]))
+            is_mostly_started(curve, &point[i]))
             begin = i + 1;
     for (end = begin; end < curve->count; end++)
         if (!precision_meaningful(&point[end]) || point[end].errors.max < bottom)
@@ -89,7 +90,7 @@ void precision_fit(struct precision *precision, int c)
     struct precision_curve *curve = &precision->curve[c];
     const struct method *method = curve->choice.method;
     double x[PRECISION_POINTS], y[PRECISION_POINTS], start, cov, residual;
-    int first, n = asymptotic(precision, curve, &first);
+    int first, n = find_asymptotic(precision, curve, &first);
     n = n < PRECISION_POINTS ? n : PRECISION_POINTS;
     curve->expected = curve->adaptive ? 1 : method->order;
     if (method->order == 0)
@@ -102,7 +103,7 @@ void precision_fit(struct precision *precision, int c)
     for (int i = 0; i < curve->fitted; i++) {
         struct precision_point *point = &precision->point[first + i];
         point->asymptotic = true;
-        x[i] = abscissa(point);
+        x[i] = log_setting(point);
         y[i] = log(point->errors.max);
     }
     const size_t fitted = (size_t)curve->fitted;
@@ -159,7 +160,7 @@ bool precision_cost_at(const struct precision *precision, int c, double error,
 }
 
 /* Orders costs: timed ones by time before others, which are ordered by evaluations. */
-static bool cheaper(const struct precision_cost *a, const struct precision_cost *b)
+static bool is_cheaper(const struct precision_cost *a, const struct precision_cost *b)
 {
     if (!a->timed && !b->timed)
         return a->evals < b->evals;
@@ -169,7 +170,7 @@ static bool cheaper(const struct precision_cost *a, const struct precision_cost 
 /* Moves costs that cannot be ranked behind the others: those without reliable times, and those with
  * general code that are slower than a specialised one. Returns the number of ranked ones, whose
  * order is kept. */
-static int set_apart(struct precision_cost *costs, int count)
+static int separate_unranked(struct precision_cost *costs, int count)
 {
     int ranked = 0;
     bool special = false;
@@ -185,7 +186,7 @@ static int set_apart(struct precision_cost *costs, int count)
 }
 
 /* Returns the ratio up to which two times tie, which is larger if the machine was busy. */
-static double tie_of(const struct precision *precision)
+static double tie_ratio(const struct precision *precision)
 {
     for (int i = 0; i < precision->points; i++)
         if (precision->point[i].time.others > TIMING_OTHERS)
@@ -202,15 +203,15 @@ int precision_fastest(const struct precision *precision, double error, struct pr
         if (!precision_cost_at(precision, c, error, &cost))
             continue;
         int index = count++;
-        for (; index > 0 && cheaper(&cost, &costs[index - 1]); index--)
+        for (; index > 0 && is_cheaper(&cost, &costs[index - 1]); index--)
             costs[index] = costs[index - 1];
         costs[index] = cost;
     }
     const bool timed = count > 0 && costs[0].timed;
-    const int ranked = timed ? set_apart(costs, count) : count;
+    const int ranked = timed ? separate_unranked(costs, count) : count;
     for (int i = 1; i < ranked; i++)
         costs[i].tied =
-            costs[i].minimum <= fmax(costs[0].median, costs[0].minimum * tie_of(precision));
+            costs[i].minimum <= fmax(costs[0].median, costs[0].minimum * tie_ratio(precision));
     if (others)
         *others = count - ranked;
     return ranked;
@@ -282,27 +283,27 @@ double precision_predict(const struct precision *precision, int c, double error)
 /* ---- the methods that are compared unless others are named ---- */
 
 /* Candidates for scenes that are not stiff, in the order in which they are taken. */
-static const char *const usual[] = {"euler",
-                                    "symplectic-euler",
-                                    "verlet",
-                                    "rk4",
-                                    "pefrl",
-                                    "blanes-moan6",
-                                    "kahan-li8",
-                                    "dopri5",
-                                    "dop853",
-                                    "odex",
-                                    "gauss6",
-                                    "radau5",
-                                    "rodas5p",
-                                    "tsit5",
-                                    "implicit-midpoint",
-                                    "trapezoid",
-                                    "heun",
-                                    "midpoint",
-                                    "backward-euler"};
+static const char *const usual_methods[] = {"euler",
+                                            "symplectic-euler",
+                                            "verlet",
+                                            "rk4",
+                                            "pefrl",
+                                            "blanes-moan6",
+                                            "kahan-li8",
+                                            "dopri5",
+                                            "dop853",
+                                            "odex",
+                                            "gauss6",
+                                            "radau5",
+                                            "rodas5p",
+                                            "tsit5",
+                                            "implicit-midpoint",
+                                            "trapezoid",
+                                            "heun",
+                                            "midpoint",
+                                            "backward-euler"};
 /* The same for stiff scenes. */
-static const char *const stiff[] = {
+static const char *const stiff_methods[] = {
     "backward-euler", "trapezoid", "tr-bdf2", "bdf2",   "gauss4",    "radau5", "ros3p",
     "rodas4",         "rodas5p",   "dopri5",  "dop853", "cvode-bdf", "sdirk2", "implicit-midpoint"};
 
@@ -328,9 +329,9 @@ int precision_defaults(const struct system *system, double duration, struct meth
                        void (*absent)(void *context, const char *method, const char *reason),
                        void *context)
 {
-    const bool hard = precision_is_stiff(system, duration);
-    const char *const *names = hard ? stiff : usual;
-    const size_t max = hard ? COUNT_OF(stiff) : COUNT_OF(usual);
+    const bool is_stiff = precision_is_stiff(system, duration);
+    const char *const *names = is_stiff ? stiff_methods : usual_methods;
+    const size_t max = is_stiff ? COUNT_OF(stiff_methods) : COUNT_OF(usual_methods);
     int count = 0;
     for (size_t i = 0; i < max && count < PRECISION_DEFAULTS; i++) {
         struct error reason;

@@ -9,7 +9,7 @@
 /* Number of steps that are timed in a longer solve of fixed steps. */
 #define TIMED_STEPS_MAX 30000
 /* largest relative difference of a scaled time from that of a whole solve */
-#define PART_OFF 0.15
+#define PARTIAL_TIME_DIFFERENCE_MAX 0.15
 
 struct run_settings precision_settings(const struct precision *precision,
                                        const struct precision_point *point)
@@ -52,8 +52,8 @@ static double time_recording(const struct precision_request *request,
 
 /* Limits the timed part of long solves with fixed steps to TIMED_STEPS_MAX steps, since the cost of
  * one step does not depend on their number. index[i] is the point of solver i. */
-static void shorten(const struct precision *precision, struct solver *solver, const int *index,
-                    int count)
+static void shorten_solves(const struct precision *precision, struct solver *solver,
+                           const int *index, int count)
 {
     for (int i = 0; i < count; i++)
         if (solver[i].tol == 0 && precision->point[index[i]].steps > TIMED_STEPS_MAX)
@@ -61,7 +61,7 @@ static void shorten(const struct precision *precision, struct solver *solver, co
 }
 
 /* Multiplies minimum and median by the factor. */
-static void multiply(struct timing_result *time, double factor)
+static void timing_multiply(struct timing_result *time, double factor)
 {
     time->minimum *= factor;
     time->median *= factor;
@@ -77,7 +77,7 @@ struct timed_points {
 
 /* Scales the times of shortened solves to whole ones, in proportion to evaluations, Jacobians and
  * solves of linear systems. */
-static void scale_up(struct precision *precision, const struct timed_points *timed)
+static void scale_partial_times(struct precision *precision, const struct timed_points *timed)
 {
     for (int i = 0; i < timed->count; i++) {
         struct precision_point *point = &precision->point[timed->index[i]];
@@ -85,16 +85,16 @@ static void scale_up(struct precision *precision, const struct timed_points *tim
         if (s->part == 0 || isnan(point->time.minimum))
             continue;
         point->timed_steps = s->steps;
-        multiply(&point->time,
-                 solve_work(&point->cost, point->steps) / solve_work(&s->step.cost, s->steps));
+        timing_multiply(&point->time, solve_work(&point->cost, point->steps) /
+                                          solve_work(&s->step.cost, s->steps));
     }
 }
 
 /* Times the first shortened point of each curve completely, too. If that differs by more than
- * PART_OFF from the scaled time, the steps of the method do not all cost the same here, and each
- * point of the curve is timed completely. */
-static void check_parts(struct precision *precision, const struct timed_points *timed,
-                        const struct cancel *cancel)
+ * PARTIAL_TIME_DIFFERENCE_MAX from the scaled time, the steps of the method do not all cost the
+ * same here, and each point of the curve is timed completely. */
+static void check_partial_times(struct precision *precision, const struct timed_points *timed,
+                                const struct cancel *cancel)
 {
     int curve = -1;
     bool differs = false;
@@ -109,7 +109,7 @@ static void check_parts(struct precision *precision, const struct timed_points *
         if (isnan(whole.minimum))
             continue;
         differs = (point->curve == curve && differs) ||
-                  !(fabs(whole.minimum / point->time.minimum - 1) <= PART_OFF);
+                  !(fabs(whole.minimum / point->time.minimum - 1) <= PARTIAL_TIME_DIFFERENCE_MAX);
         curve = point->curve;
         if (differs) {
             point->time = whole;
@@ -120,7 +120,7 @@ static void check_parts(struct precision *precision, const struct timed_points *
 
 /* Sets the time of a costly point to that of the one solve that measured its error; such a time is
  * not ranked. Returns true if the point is costly. */
-static bool take_costly(struct precision_point *point)
+static bool time_costly_point(struct precision_point *point)
 {
     if (point->costly)
         point->time = (struct timing_result){.minimum = point->seconds,
@@ -144,7 +144,7 @@ bool precision_time(const struct precision_request *request, struct precision *p
         const struct precision_point *point = &precision->point[i];
         const struct run_settings settings = precision_settings(precision, point);
         if (!precision_meaningful(point) ||
-            (request->timing == TIMING_QUICK && take_costly(&precision->point[i])))
+            (request->timing == TIMING_QUICK && time_costly_point(&precision->point[i])))
             continue;
         ok = solver_init(&timed.solver[timed.count], &precision->system,
                          precision->curve[point->curve].choice.method, &settings,
@@ -153,12 +153,12 @@ bool precision_time(const struct precision_request *request, struct precision *p
     }
     if (ok) {
         if (request->timing == TIMING_QUICK)
-            shorten(precision, timed.solver, timed.index, timed.count);
+            shorten_solves(precision, timed.solver, timed.index, timed.count);
         time_solvers(timed.solver, timed.result, timed.count, request->timing, seconds, cancel);
         for (int i = 0; i < timed.count; i++)
             precision->point[timed.index[i]].time = timed.result[i];
-        scale_up(precision, &timed);
-        check_parts(precision, &timed, cancel);
+        scale_partial_times(precision, &timed);
+        check_partial_times(precision, &timed, cancel);
         for (int i = 0; i < timed.count && request->recording && !cancelled(cancel); i++)
             precision->point[timed.index[i]].recording =
                 time_recording(request, precision, &precision->point[timed.index[i]]);

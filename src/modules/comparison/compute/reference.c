@@ -44,7 +44,7 @@ static const struct candidate {
 #define PARTS_IN_TIME 32
 
 /* Returns the memory of the solution of that kind, or with KIND_COUNT that to work with. */
-static double *solution(const struct reference_search *search, enum solver_kind kind)
+static double *solution_memory(const struct reference_search *search, enum solver_kind kind)
 {
     return search->grid + (size_t)kind * search->size;
 }
@@ -104,7 +104,7 @@ static bool solve_adaptive(struct reference_search *search, struct solver *s, bo
 static bool solve_fixed(struct reference_search *search, struct solver *s, double *grid)
 {
     /* `moved` is the change by the last halving */
-    double *finer = solution(search, KIND_COUNT), moved = HUGE_VAL;
+    double *finer = solution_memory(search, KIND_COUNT), moved = HUGE_VAL;
     bool have = false;
     for (int64_t steps = search->parts; steps <= 1 << 20; steps *= 2) {
         if (reference_walk(search, s, steps, finer) != STOP_END) {
@@ -142,7 +142,7 @@ static bool try_candidate(struct reference_search *search, const struct candidat
         return false;
     }
     s.max = (int64_t)(COST_MAX / search->system->n);
-    double *grid = solution(search, candidate->kind);
+    double *grid = solution_memory(search, candidate->kind);
     const bool ok = s.tol > 0 ? solve_adaptive(search, &s, candidate->kind == KIND_EXPLICIT, grid)
                               : solve_fixed(search, &s, grid);
     solver_free(&s);
@@ -176,14 +176,14 @@ static void set_meaning(const struct reference_search *search, const double *a, 
 
 /* Compares a new solution with those of other kinds. If it agrees with one better than any two
  * before, that pair becomes the reference. */
-static void confront(struct reference_search *search, enum solver_kind kind)
+static void compare_solution(struct reference_search *search, enum solver_kind kind)
 {
     struct reference *reference = search->reference;
-    const double *grid = solution(search, kind);
+    const double *grid = solution_memory(search, kind);
     for (enum solver_kind other = 0; other < KIND_COUNT; other++) {
         if (other == kind || !search->method[other])
             continue;
-        const double *other_solution = solution(search, other);
+        const double *other_solution = solution_memory(search, other);
         set_amplitudes(reference, search->system, other_solution);
         const double agreement = largest_distance(search, grid, other_solution);
         if (reference->method[1] && !(agreement < reference->accuracy))
@@ -238,7 +238,7 @@ static void search_kinds(struct reference_search *search, bool explicit_ones, bo
         if ((explicit ? !explicit_ones : !others) || (search->bursts > 0 && candidates[i].tol == 0))
             continue; /* steps of one size, short enough for a burst, would be too many */
         if (search->left > 0 && try_candidate(search, &candidates[i])) {
-            confront(search, candidates[i].kind);
+            compare_solution(search, candidates[i].kind);
             const int parts = search->system->autonomous ? SPAN_PARTS : PARTS_IN_TIME;
             search->parts = search->parts > parts ? search->parts : parts;
             reference->bound = fabs(reference->span) / (STUDY_TIMES - 1) / search->parts;

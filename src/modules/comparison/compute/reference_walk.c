@@ -117,7 +117,7 @@ static int by_time_back(const void *a, const void *b)
 
 /* Finds the bursts of the interval that was just crossed, which replace those from old_count on.
  * Returns false if it has none. */
-static bool look_for_bursts(struct reference_search *search, int old_count)
+static bool find_bursts(struct reference_search *search, int old_count)
 {
     const bool forward = search->reference->span > 0;
     const int count = search->bursts;
@@ -136,7 +136,7 @@ static bool look_for_bursts(struct reference_search *search, int old_count)
 }
 
 /* Returns the largest relative difference between two states. */
-static double moved_by(const struct system *system, const double *a, const double *b)
+static double state_change(const struct system *system, const double *a, const double *b)
 {
     double max = 0;
     for (int i = 0; i < system->n; i++)
@@ -159,8 +159,8 @@ static enum stop cross_bursts(struct reference_search *search, struct solver *s,
     memcpy(y, s->y, size);
     memcpy(low, s->low, size);
     enum stop stop = cross_adaptive(search, s, controller, interval);
-    for (int round = 0;
-         round < BURST_ROUNDS && stop == STOP_END && look_for_bursts(search, old_count); round++) {
+    for (int round = 0; round < BURST_ROUNDS && stop == STOP_END && find_bursts(search, old_count);
+         round++) {
         memcpy(last, s->y, size);
         memcpy(s->y, y, size);
         memcpy(s->low, low, size);
@@ -168,7 +168,7 @@ static enum stop cross_bursts(struct reference_search *search, struct solver *s,
         s->step.t = interval->t_begin;
         s->step.warm = s->step.again = false;
         stop = cross_adaptive(search, s, controller, interval);
-        if (stop != STOP_END || moved_by(search->system, s->y, last) >= SOLUTIONS_DISTANCE_MAX)
+        if (stop != STOP_END || state_change(search->system, s->y, last) >= SOLUTIONS_DISTANCE_MAX)
             continue;
         search->bursts = round == 0 ? old_count : search->bursts;
         break;

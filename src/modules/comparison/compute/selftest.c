@@ -93,7 +93,7 @@ static bool check_order(const struct method *method, const struct cancel *cancel
 
 /* Binds the pendulum, or the spring for methods that only apply to it, with the drag variant of the
  * method. Returns false if the method applies to neither. */
-static bool swing(const struct method *method, struct system *system, enum drag *drag)
+static bool bind_swing(const struct method *method, struct system *system, enum drag *drag)
 {
     const struct check_setting unit[] = {{"m", 1}, {"k", 1}, {"y0", 1}};
     struct error ignored;
@@ -147,7 +147,8 @@ static bool check_geometry(const struct method *method, struct selftest_row *row
 {
     struct system system;
     enum drag drag;
-    if (!(method->flags & (METHOD_SYMPLECTIC | METHOD_SYMMETRIC)) || !swing(method, &system, &drag))
+    if (!(method->flags & (METHOD_SYMPLECTIC | METHOD_SYMMETRIC)) ||
+        !bind_swing(method, &system, &drag))
         return true;
     double *work = malloc((method_work_size(method, system.n) + 1) * sizeof *work);
     if (!work)

@@ -42,8 +42,8 @@ static double grid_distance_max(const struct reference *reference, const double 
     return max;
 }
 
-void witness_explain(struct witnesses *witnesses, int i, const struct reference *reference,
-                     const struct method *method, int64_t steps, const double *grid)
+void witness_store(struct witnesses *witnesses, int i, const struct reference *reference,
+                   const struct method *method, int64_t steps, const double *grid)
 {
     struct witness *w = &witnesses->one[i];
     w->moved = w->method ? grid_distance_max(reference, w->grid, grid) : NAN;
@@ -54,7 +54,7 @@ void witness_explain(struct witnesses *witnesses, int i, const struct reference 
 
 /* Returns true if a witness has a known error and steps short enough to see the shortest burst that
  * the reference has found. */
-static bool can_tell(const struct witness *w, const struct reference *reference)
+static bool is_usable_witness(const struct witness *w, const struct reference *reference)
 {
     return w->method && !isnan(w->moved) &&
            !(reference->shortest > 0 && w->step > reference->shortest);
@@ -67,7 +67,8 @@ bool reference_suspect(struct reference *reference, const struct witnesses *witn
     for (int i = 0; i < witnesses->count && !reference->exact; i++)
         for (int j = 0; j < i; j++) {
             const struct witness *a = &witnesses->one[j], *b = &witnesses->one[i];
-            if (!can_tell(a, reference) || !can_tell(b, reference) || a->method == b->method)
+            if (!is_usable_witness(a, reference) || !is_usable_witness(b, reference) ||
+                a->method == b->method)
                 continue;
             const double apart = fmin(grid_distance_max(reference, a->grid, reference->y),
                                       grid_distance_max(reference, b->grid, reference->y));

@@ -29,8 +29,8 @@ bool witnesses_init(struct witnesses *witnesses, const struct system *system, in
 void witnesses_free(struct witnesses *witnesses);
 /* Stores a run of method i that reached the end in `steps` steps and is finer than the one stored
  * before, which it replaces. `grid` is copied. */
-void witness_explain(struct witnesses *witnesses, int i, const struct reference *reference,
-                     const struct method *method, int64_t steps, const double *grid);
+void witness_store(struct witnesses *witnesses, int i, const struct reference *reference,
+                   const struct method *method, int64_t steps, const double *grid);
 /* Returns true if two witnesses contradict the reference, whose dissenting_method and apart are set
  * accordingly. *step [s] is then the shorter of their mean steps, in which it should be computed
  * again. */

@@ -111,8 +111,8 @@ static void add_sample(struct timed_solver *b, const struct cancel *cancel)
 
 /* Sets the number of samples of each solver, fewer in proportion if all of them would take more
  * than `budget` [s], which 0 does not limit. */
-static void share_out(struct timed_solver *bench, int count, const struct protocol *protocol,
-                      double budget)
+static void set_quotas(struct timed_solver *bench, int count, const struct protocol *protocol,
+                       double budget)
 {
     double total = 0;
     for (int i = 0; i < count; i++)
@@ -126,7 +126,7 @@ static void share_out(struct timed_solver *bench, int count, const struct protoc
 }
 
 /* Permutes the indices at random. *state is that of the random numbers. */
-static void shuffle(int *order, int count, uint64_t *state)
+static void shuffle_order(int *order, int count, uint64_t *state)
 {
     for (int i = count - 1; i > 0; i--) {
         const int j = (int)(random_fraction(state) * (i + 1)), keep = order[i];
@@ -137,7 +137,7 @@ static void shuffle(int *order, int count, uint64_t *state)
 
 /* Sorts the samples and returns the relative difference of the second shortest from the shortest,
  * or HUGE_VAL for fewer than two. */
-static double disagreement(struct timed_solver *b)
+static double sample_disagreement(struct timed_solver *b)
 {
     gsl_sort(b->sample, 1, (size_t)b->samples);
     return b->samples < 2 ? HUGE_VAL : b->sample[1] / b->sample[0] - 1;
@@ -145,13 +145,13 @@ static double disagreement(struct timed_solver *b)
 
 /* Fills in the result from the samples; it stays NAN if there are none or if they are shorter than
  * a solve can be. */
-static void summarize(struct timed_solver *bench, const struct protocol *protocol,
-                      struct timing_result *result)
+static void summarize_samples(struct timed_solver *bench, const struct protocol *protocol,
+                              struct timing_result *result)
 {
     const int64_t steps = bench->solver->steps;
     if (bench->samples == 0)
         return;
-    result->spread = disagreement(bench);
+    result->spread = sample_disagreement(bench);
     if (bench->sample[0] < step_seconds_min * (double)steps)
         return;
     result->samples = bench->samples;
@@ -191,7 +191,7 @@ static double run_rounds(struct timed_solver *bench, int *order, int count,
     double others = others_running();
     uint64_t state = 88172645463325252u; /* the same order on every machine */
     for (int round = 0; round < protocol->samples; round++) {
-        shuffle(order, count, &state);
+        shuffle_order(order, count, &state);
         for (int i = 0; i < count && !cancelled(cancel); i++)
             if (bench[order[i]].samples == round && round < bench[order[i]].quota)
                 add_sample(&bench[order[i]], cancel);
@@ -199,7 +199,8 @@ static double run_rounds(struct timed_solver *bench, int *order, int count,
     }
     for (int round = 0; round < TIMING_SAMPLES_MORE; round++)
         for (int i = 0; i < count && !cancelled(cancel); i++)
-            if (bench[i].samples >= TIMING_SAMPLES_MIN && disagreement(&bench[i]) > TIMING_SPREAD)
+            if (bench[i].samples >= TIMING_SAMPLES_MIN &&
+                sample_disagreement(&bench[i]) > TIMING_SPREAD)
                 add_sample(&bench[i], cancel);
     return others / (protocol->samples + 1);
 }
@@ -223,10 +224,10 @@ void time_solvers(struct solver *solver, struct timing_result *result, int count
             }
         }
         const double warming = (double)(clock_cpu_ns() - begin) * 1e-9;
-        share_out(bench, timed, protocol, seconds > 0 ? fmax(seconds - warming, 1e-9) : 0);
+        set_quotas(bench, timed, protocol, seconds > 0 ? fmax(seconds - warming, 1e-9) : 0);
         const double others = run_rounds(bench, order, timed, protocol, cancel);
         for (int i = 0; i < timed; i++) {
-            summarize(&bench[i], protocol, &result[bench[i].index]);
+            summarize_samples(&bench[i], protocol, &result[bench[i].index]);
             result[bench[i].index].others = others;
         }
     }

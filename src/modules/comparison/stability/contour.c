@@ -19,7 +19,7 @@ struct march {
 };
 
 /* Returns the coordinate of node i on an axis, 0 for x and 1 for y. */
-static double node_place(const struct march *m, int axis, int i)
+static double node_coordinate(const struct march *m, int axis, int i)
 {
     const struct contour_field *f = m->field;
     return f->lower[axis] + (f->upper[axis] - f->lower[axis]) * i / f->cells[axis];
@@ -46,8 +46,8 @@ static int edge_number(const struct march *m, int i, int j, bool vertical)
 /* Finds the root on an edge whose ends have different signs, by bisection. */
 static void find_root(const struct march *m, int i, int j, bool vertical, double root[2])
 {
-    double a[2] = {node_place(m, 0, i), node_place(m, 1, j)},
-           b[2] = {node_place(m, 0, i + !vertical), node_place(m, 1, j + vertical)};
+    double a[2] = {node_coordinate(m, 0, i), node_coordinate(m, 1, j)},
+           b[2] = {node_coordinate(m, 0, i + !vertical), node_coordinate(m, 1, j + vertical)};
     const bool first = node_is_inside(m, i, j);
     for (int k = 0; k < HALVINGS; k++) {
         const double middle[2] = {(a[0] + b[0]) / 2, (a[1] + b[1]) / 2};
@@ -82,8 +82,8 @@ static void link_cell(struct march *m, int i, int j)
         link_edges(m, crossed[0], crossed[1]);
     if (n != 4)
         return;
-    const bool middle = is_inside(m, (node_place(m, 0, i) + node_place(m, 0, i + 1)) / 2,
-                                  (node_place(m, 1, j) + node_place(m, 1, j + 1)) / 2);
+    const bool middle = is_inside(m, (node_coordinate(m, 0, i) + node_coordinate(m, 0, i + 1)) / 2,
+                                  (node_coordinate(m, 1, j) + node_coordinate(m, 1, j + 1)) / 2);
     const int turned = middle == corner[0]; /* corners 1 and 3 are cut off, else 0 and 2 */
     link_edges(m, crossed[0], crossed[turned ? 1 : 3]);
     link_edges(m, crossed[2], crossed[turned ? 3 : 1]);
@@ -131,7 +131,7 @@ static bool find_signs(struct march *m, const struct cancel *cancel)
             if (cancelled(cancel))
                 return false;
             m->inside[(size_t)j * (size_t)(m->nx + 1) + (size_t)i] =
-                is_inside(m, node_place(m, 0, i), node_place(m, 1, j));
+                is_inside(m, node_coordinate(m, 0, i), node_coordinate(m, 1, j));
         }
     return true;
 }

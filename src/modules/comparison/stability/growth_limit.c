@@ -80,7 +80,7 @@ static double growth_rate(const struct mode *mode)
 }
 
 /* Returns true if the exact solution of the mode grows. */
-static bool grows(const struct mode *mode)
+static bool mode_grows(const struct mode *mode)
 {
     return growth_rate(mode) > 0;
 }
@@ -307,7 +307,7 @@ static void find_limit(struct stability *s)
 {
     s->dt_max = NAN;
     for (int i = 0; i < s->modes; i++) {
-        if (grows(&s->mode[i]))
+        if (mode_grows(&s->mode[i]))
             continue;
         if (!isnan(s->dt_max) &&
             (s->dt_max == 0 ||
@@ -349,10 +349,10 @@ static void find_growth(struct stability *s)
 
 /* Sets the doubling time, the law growth - 1 = c x^p of weak instability, and the window of a
  * narrow resonance beyond dt_max, after which steps are stable again. */
-static void name_weakness(struct stability *s)
+static void find_weakness(struct stability *s)
 {
     s->weak[0] = s->weak[1] = s->window[0] = s->window[1] = s->window[2] = NAN;
-    if (grows(&s->worst)) {
+    if (mode_grows(&s->worst)) {
         s->doubling = log(2) / log(s->growth_predicted);
         return;
     }
@@ -381,7 +381,7 @@ static void name_weakness(struct stability *s)
 }
 
 /* Runs the worst mode at dt, and the tightest one on both sides of dt_max. */
-static void verify(struct stability *s)
+static void verify_limits(struct stability *s)
 {
     mode_check(&s->choice, &s->worst, s->dt, &s->check[s->checks++]);
     s->growth_measured = s->check[0].measured;
@@ -486,8 +486,8 @@ bool study_stability(const struct stability_request *request, struct stability *
     s->verdict = judge_all(s);
     s->agrees = true;
     if (s->modes) {
-        name_weakness(s);
-        verify(s);
+        find_weakness(s);
+        verify_limits(s);
     }
     if (!s->linear && !cancelled(request->cancel)) {
         if (!run_scene(&system, request, s))

@@ -107,7 +107,7 @@ static const struct stress_case cases[] = {
 /* clang-format on */
 
 /* Returns true if the table has a case named after the preset. */
-static bool listed(const char *preset)
+static bool is_listed(const char *preset)
 {
     for (size_t i = 0; i < COUNT_OF(cases); i++)
         if (strcmp(cases[i].preset, preset) == 0 && strcmp(cases[i].name, preset) == 0)
@@ -126,7 +126,7 @@ bool stress_case_at(size_t index, struct stress_case *result)
         const struct row *row = catalog_row(&preset_catalog, i);
         const bool named = text_starts(text_of(row->name), TEXT("stiff-")) ||
                            text_starts(text_of(row->name), TEXT("extreme-"));
-        if (named && !listed(row->name) && index-- == 0) {
+        if (named && !is_listed(row->name) && index-- == 0) {
             *result =
                 (struct stress_case){.name = row->name, .brief = row->brief, .preset = row->name};
             return true;
@@ -136,7 +136,7 @@ bool stress_case_at(size_t index, struct stress_case *result)
 }
 
 /* Lists the built-in cases. */
-static void stress_totals(struct stress *stress)
+static void list_built_in_cases(struct stress *stress)
 {
     while (stress->count < STRESS_MAX &&
            stress_case_at((size_t)stress->count, &stress->cases[stress->count]))
@@ -425,7 +425,7 @@ static bool run_case(struct stress_state *bench, int method, struct stress_row *
 /* ---- all of them ---- */
 
 /* Keeps only the case of this name or number. Returns false with the error if there is none. */
-static bool keep_case(struct stress *stress, struct text only, struct error *error)
+static bool select_case(struct stress *stress, struct text only, struct error *error)
 {
     double number;
     int index = 0;
@@ -451,13 +451,13 @@ bool study_stress(const struct stress_scene *scene, struct text only,
     const int64_t begin = clock_ns();
     memset(stress, 0, sizeof *stress);
     if (!scene)
-        stress_totals(stress);
+        list_built_in_cases(stress);
     else if (!stress_scene_cases(stress, scene))
         return stress->count == STRESS_MAX
                    ? error_set(error, ERROR_COMMAND,
                                "the scene has too many parameters: more than %d cases", STRESS_MAX)
                    : error_memory(error);
-    if (only.len > 0 && !keep_case(stress, only, error))
+    if (only.len > 0 && !select_case(stress, only, error))
         return false;
     double *limit = malloc(((size_t)count + 1) * sizeof *limit);
     stress->row = calloc((size_t)(stress->count * count) + 1, sizeof *stress->row);

@@ -136,7 +136,7 @@ static void put_piece(struct printer *p, struct buffer *output, const struct pie
 }
 
 /* Returns the operand 0 that a product with 0 leaves. */
-static struct piece nothing(void)
+static struct piece zero_piece(void)
 {
     return (struct piece){
         .text = TEXT("0"), .binds = ATOM, .zero = TERM_ZERO, .number = true, .value = 0};
@@ -183,7 +183,7 @@ static struct piece sum_of(struct printer *p, const struct piece *a, struct piec
 static struct piece product_of(struct printer *p, struct piece a, struct piece b, bool is_quotient)
 {
     if (is_quotient ? a.zero >= NAME_ZERO : a.zero || b.zero)
-        return nothing();
+        return zero_piece();
     const bool negative = a.negative != b.negative, tex = p->dialect == DIALECT_TEX;
     a.negative = b.negative = false;
     struct buffer text = {0};
@@ -310,7 +310,8 @@ static struct piece call_of(struct printer *p, const struct function *function,
 }
 
 /* Returns the result of an operation on its operands. */
-static struct piece operation(struct printer *p, const struct op *op, const struct piece *operand)
+static struct piece apply_operation(struct printer *p, const struct op *op,
+                                    const struct piece *operand)
 {
     struct piece a = operand[0];
     switch (op->kind) {
@@ -353,7 +354,7 @@ bool expr_text(const struct expr *expr, enum dialect dialect, const char *const 
             top++;
         } else {
             top -= op_arity(op);
-            p->stack[top] = operation(p, op, &p->stack[top]);
+            p->stack[top] = apply_operation(p, op, &p->stack[top]);
             top++;
         }
     }

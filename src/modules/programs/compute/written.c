@@ -9,7 +9,7 @@
 /* ---- names ---- */
 
 /* Finds a velocity by the name of its position with a prime. Returns false if it is none. */
-static bool primed(const struct written *w, struct text name, int *slot)
+static bool find_primed(const struct written *w, struct text name, int *slot)
 {
     const struct model *model = w->system.model;
     const int half = model->n / 2;
@@ -28,7 +28,7 @@ static bool primed(const struct written *w, struct text name, int *slot)
 static bool written_slot_find(const void *context, struct text name, int *slot)
 {
     const struct written *w = context;
-    if (primed(w, name, slot))
+    if (find_primed(w, name, slot))
         return true;
     for (int i = 0; i < w->observed; i++)
         if (text_is(name, w->name[i])) {
@@ -78,8 +78,8 @@ static const struct expr *built_in(struct written *w, const char *text, struct e
 
 /* Copies an expression of a typed scene with the names of this program. Returns NULL with an error
  * if out of memory. */
-static const struct expr *renamed(struct written *w, const struct typed *typed,
-                                  const struct expr *expr, struct error *error)
+static const struct expr *rename_expr(struct written *w, const struct typed *typed,
+                                      const struct expr *expr, struct error *error)
 {
     struct expr *result = arena_alloc(&w->arena, sizeof *result);
     struct op *op = result ? arena_array(&w->arena, expr->count, sizeof *op) : NULL;
@@ -116,7 +116,7 @@ static bool term_row(struct written *w, const struct bound_term *term, int row, 
     }
     const struct typed_term *typed = typed_term_of(term->c);
     const struct expr *own = typed->typed->group[typed - typed->part->term][row];
-    *expr = own ? renamed(w, typed->typed, own, error) : NULL;
+    *expr = own ? rename_expr(w, typed->typed, own, error) : NULL;
     return *expr || !own;
 }
 
@@ -202,7 +202,7 @@ static bool add_observed(struct written *w, struct error *error)
     if (!w->observe)
         return error_memory(error);
     for (int i = 0; i < count; i++)
-        if (!(w->observe[i] = renamed(w, typed, typed->observe[i], error)))
+        if (!(w->observe[i] = rename_expr(w, typed, typed->observe[i], error)))
             return false;
     return true;
 }

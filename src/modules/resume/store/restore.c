@@ -178,7 +178,7 @@ static void read_lines(struct history *history, struct text section)
 }
 
 /* Returns true if a text of the history lies within what was read. */
-static bool inside(const struct history *history, size_t position, size_t len)
+static bool is_inside_history(const struct history *history, size_t position, size_t len)
 {
     const size_t offset = position - history->text_first;
     return position >= history->text_first && offset <= history->text.len &&
@@ -203,8 +203,8 @@ static void read_history(struct reader *reader)
     history->lines = history->lines_gone;
     for (size_t i = history->first; i < history->count; i++) {
         const struct entry *entry = history_entry(reader->session, i);
-        if (!inside(history, entry->text, entry->len) ||
-            (entry->full_len > 0 && !inside(history, entry->full, entry->full_len)) ||
+        if (!is_inside_history(history, entry->text, entry->len) ||
+            (entry->full_len > 0 && !is_inside_history(history, entry->full, entry->full_len)) ||
             entry->output > (entry->full_len ? entry->full_len : entry->len)) {
             history->count = i;
             break;

@@ -43,7 +43,7 @@ static bool find_record(struct text *content, struct record_head *head)
 }
 
 /* Returns true for kinds of records that this version knows. */
-static bool known(uint32_t kind)
+static bool is_known_kind(uint32_t kind)
 {
     return kind != 0 && kind < 128 && strchr("DRWLTBS", (int)kind);
 }
@@ -56,7 +56,7 @@ static bool take_record(struct reader *reader, const struct record_head *head, s
         reader->damaged++;
         return true;
     }
-    if (!known(head->kind)) {
+    if (!is_known_kind(head->kind)) {
         reader->unknown++;
         return true;
     }

@@ -32,7 +32,7 @@ struct output {
 /* ---- records ---- */
 
 /* Returns true if writing is to stop here and continue another time. */
-static bool stops(struct output *output)
+static bool must_stop(struct output *output)
 {
     output->stored->unfinished = cancelled(output->sink->cancel);
     return output->stored->unfinished;
@@ -62,7 +62,7 @@ static bool record_send(struct output *output)
     while (stored->sent < stored->record.len) {
         struct text piece = {stored->record.data + stored->sent, stored->record.len - stored->sent};
         piece.len = piece.len < WRITTEN_AT_ONCE ? piece.len : WRITTEN_AT_ONCE;
-        if ((stored->sent > 0 && stops(output)) ||
+        if ((stored->sent > 0 && must_stop(output)) ||
             !output->sink->write(output->sink->context, piece, output->error))
             return false;
         stored->sent += piece.len;
@@ -142,7 +142,7 @@ static bool put_rows(struct output *output, struct run *run, struct stored_run *
                  first = same < stored_run->rows ? same : stored_run->rows;
     stored_run->rows = first;
     run_set_stored(run, rows); /* changes of rows are noted from now on */
-    while (stored_run->rows < rows && !stops(output)) {
+    while (stored_run->rows < rows && !must_stop(output)) {
         const size_t left = rows - stored_run->rows,
                      count = left < ROWS_AT_ONCE ? left : ROWS_AT_ONCE;
         const struct rows_head head = {stored_run->id, stored_run->rows, count, bytes};
@@ -225,7 +225,7 @@ static bool put_runs(struct output *output, const struct session *session)
         const bool left_out = all > STORE_ROW_BYTES;
         without_room += left_out;
         const bool going = session->live.advancing && i == session->runs.current;
-        if (stops(output) || !put_run(output, session->runs.slot[i], left_out, going))
+        if (must_stop(output) || !put_run(output, session->runs.slot[i], left_out, going))
             return false;
     }
     output->stored->left_out = without_room;
@@ -266,7 +266,7 @@ static bool look_while_reading(void *context, struct text content, size_t offset
     (void)content;
     (void)offset;
     (void)size;
-    return !stops(context) || error_set(error, ERROR_CANCELLED, "stopped");
+    return !must_stop(context) || error_set(error, ERROR_CANCELLED, "stopped");
 }
 
 /* Offsets in the record at which the value of the sum and the content begin. */
@@ -371,7 +371,7 @@ static bool put_part(struct output *output, const struct session_part *part)
     if (!store->put_next)
         return true;
     store->forget(part->state, stored);
-    while (!stops(output)) {
+    while (!must_stop(output)) {
         record_begin(output);
         if (!store->put_next(part->state, stored, &next))
             return true;
@@ -448,7 +448,7 @@ static bool put_said(struct output *output, const struct log *log)
  * if stopped. */
 static bool put_all(struct output *output, struct session *session)
 {
-    if (stops(output))
+    if (must_stop(output))
         return false;
     forget_recordings(output->stored, session);
     for (int i = 0; i < session->recordings; i++)

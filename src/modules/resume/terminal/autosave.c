@@ -88,7 +88,7 @@ static void fresh_drop(struct fresh_file *fresh)
 /* ---- the file ---- */
 
 /* Creates and locks a file that does not exist. Returns its descriptor, or -1. */
-static int create(struct autosave *autosave, const char *path)
+static int create_locked(struct autosave *autosave, const char *path)
 {
     const int fd = open(path, O_RDWR | O_APPEND | O_CREAT | O_EXCL | O_CLOEXEC | O_NOFOLLOW, 0600);
     autosave->unlocked = fd >= 0 && !saved_lock(fd);
@@ -119,7 +119,7 @@ static bool open_new(struct autosave *autosave, struct buffer *hidden, struct er
     const char *name = strrchr(autosave->path, '/') + 1;
     if (stray_name(random, name, STRAY_NEW))
         buffer_format(hidden, "%.*s%s", (int)(name - autosave->path), autosave->path, random);
-    autosave->fd = hidden->len > 0 && !hidden->failed ? create(autosave, hidden->data) : -1;
+    autosave->fd = hidden->len > 0 && !hidden->failed ? create_locked(autosave, hidden->data) : -1;
     if (autosave->fd < 0)
         return error_set(error, ERROR_IO, "%s", strerror(errno));
     stored_free(&autosave->stored);
@@ -129,7 +129,7 @@ static bool open_new(struct autosave *autosave, struct buffer *hidden, struct er
 
 /* Gives the new file its name, with another number if it is taken, as several machines may share
  * the folder. Returns false with an error. */
-static bool name_new(struct autosave *autosave, const char *hidden, struct error *error)
+static bool link_new_name(struct autosave *autosave, const char *hidden, struct error *error)
 {
     int number = EEXIST;
     for (long tries = 0; tries < 100 && number == EEXIST; tries++) {
@@ -168,7 +168,7 @@ static bool autosave_append(struct autosave *autosave, const struct cancel *canc
                                       first || !cancel ? 0 : clock_ns() + PART_NS};
     ok = ok && session_store(autosave->session, &autosave->stored, &target, error);
     const bool given_up = first && autosave->stored.unfinished;
-    ok = ok && (!first || given_up || !hidden.data || name_new(autosave, hidden.data, error));
+    ok = ok && (!first || given_up || !hidden.data || link_new_name(autosave, hidden.data, error));
     if (!ok || given_up) {
         if (first && hidden.len > 0)
             unlink(hidden.data);
@@ -201,7 +201,7 @@ static void fresh_begin(struct autosave *autosave, const struct cancel *cancel)
     const bool named = stray_name(hidden, name, STRAY_NEW);
     buffer_format(&path, "%.*s%s", (int)(name - autosave->path), autosave->path, hidden);
     fresh->path = path.data;
-    fresh->fd = !named || path.failed ? -1 : create(autosave, path.data);
+    fresh->fd = !named || path.failed ? -1 : create_locked(autosave, path.data);
     fresh->offset = lseek(autosave->fd, 0, SEEK_END);
     const struct store_sink target = {&fresh->fd, store_record_write, cancel, 0};
     if (fresh->fd < 0 || !bytes_write(fresh->fd, TEXT(STORE_HEADER), &ignored) ||
@@ -278,7 +278,7 @@ static void sync_begin(struct autosave *autosave, const struct cancel *cancel)
 /* ---- when ---- */
 
 /* Deletes temporary files and old session files of ended sessions. */
-static void clear_away(void)
+static void delete_old_files(void)
 {
     char *folder = state_path("", true);
     if (!folder)
@@ -318,7 +318,7 @@ void autosave_begin(struct autosave *autosave, struct session *session)
     if (!autosave_of_process)
         pthread_atfork(wait_before_fork, NULL, NULL);
     autosave_of_process = autosave;
-    clear_away();
+    delete_old_files();
 }
 
 void autosave_end(struct autosave *autosave)

@@ -243,7 +243,7 @@ static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *o
 
 /* Stores the states of lanes that have made their last whole step, i; with `all` those of all lanes
  * that have not ended. */
-static void take_ends(struct sweep_worker *worker, int64_t i, bool all)
+static void store_ends(struct sweep_worker *worker, int64_t i, bool all)
 {
     for (int lane = 0; lane < worker->used; lane++) {
         const struct lane_clock *clock = &worker->clock[lane];
@@ -256,7 +256,7 @@ static void take_ends(struct sweep_worker *worker, int64_t i, bool all)
 
 /* Steps all lanes to their ends, and watches or stores states on the way. Stops early if all lanes
  * have to run alone. Returns false if cancelled. */
-static bool march(struct sweep_worker *worker)
+static bool march_lanes(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
     struct stretch_watch stretch;
@@ -265,7 +265,7 @@ static bool march(struct sweep_worker *worker)
     begin_watching(worker, &stretch);
     if (job->replays)
         replay_begin(worker);
-    take_ends(worker, 0, false);
+    store_ends(worker, 0, false);
     for (int64_t i = 0, next; (next = next_change(worker, i, &open)) != INT64_MAX;) {
         const bool watching = job->replays || job->tops || (job->watches && open);
         const int64_t count =
@@ -289,11 +289,11 @@ static bool march(struct sweep_worker *worker)
         else if (watching)
             watch_lanes(worker, previous, &stretch);
         i += count;
-        take_ends(worker, i, false);
+        store_ends(worker, i, false);
         if (cancelled(job->request->cancel))
             return false;
         if (all_suspicious(worker)) {
-            take_ends(worker, i, true);
+            store_ends(worker, i, true);
             break;
         }
     }
@@ -397,7 +397,7 @@ void sweep_flush(struct sweep_worker *worker)
         section_march(worker);
     else if (begun && worker->job->adapts)
         sweep_adapt(worker);
-    else if (begun && march(worker))
+    else if (begun && march_lanes(worker))
         finish_lanes(worker);
     replay_end(worker);
     worker->used = 0;

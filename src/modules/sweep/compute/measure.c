@@ -94,7 +94,8 @@ static bool measured_column_find(const struct model *model, struct text name,
 
 /* Sets the error for an unknown measure, or column in parentheses if `column`, with similar names
  * as a hint. Returns false. */
-static bool unknown(const struct model *model, struct text name, bool column, struct error *error)
+static bool refuse_unknown_measure(const struct model *model, struct text name, bool column,
+                                   struct error *error)
 {
     struct suggestion suggestion = {.wanted = name};
     for (size_t i = 0; i < COUNT_OF(rows) && !column; i++)
@@ -144,7 +145,7 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
     }
     const bool watched = split_watched(name, &own, &column);
     if (!measured_column_find(model, column, measure))
-        return unknown(model, column, watched, error);
+        return refuse_unknown_measure(model, column, watched, error);
     if (measure->column == SWEEP_OBSERVABLE && model->order != 2 &&
         measure->observable->needs & NEED_MECHANICS)
         return error_at(error, column, "%.*s needs a scene with positions and velocities",

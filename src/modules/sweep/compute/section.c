@@ -167,7 +167,7 @@ bool crossings_strobed(const struct crossings *crossings, size_t row, int64_t pe
 }
 
 /* Returns an angle reduced to (-pi, pi], and other values unchanged. */
-static double turned(const struct crossings *crossings, int variable, double value)
+static double reduce_angle(const struct crossings *crossings, int variable, double value)
 {
     return crossings->angle[variable] ? remainder(value, TWO_PI) : value;
 }
@@ -188,13 +188,13 @@ static bool state_at(const struct crossings *crossings, int64_t index, int64_t p
     const double *state = crossings->period > 0 ? trace_state(run->trace, (size_t)index + 1)
                                                 : run_event_record_state(run, (size_t)index);
     for (int k = 0; k < run->system.n; k++)
-        y[k] = turned(crossings, k, state[k]);
+        y[k] = reduce_angle(crossings, k, state[k]);
     return true;
 }
 
 /* Returns true if every state equals the one that is `apart` events later. */
-static bool comes_again(const struct crossings *crossings, const double *state, int64_t count,
-                        int64_t apart)
+static bool states_repeat(const struct crossings *crossings, const double *state, int64_t count,
+                          int64_t apart)
 {
     const struct system *system = &crossings->run->system;
     const int n = system->n;
@@ -202,44 +202,45 @@ static bool comes_again(const struct crossings *crossings, const double *state, 
         for (int i = 0; i < n; i++) {
             const double a = state[k * n + i], b = state[(k + apart) * n + i];
             const double size = fmax(fmax(fabs(a), fabs(b)), system->scale[i]);
-            if (!(fabs(turned(crossings, i, a - b)) <= STATE_DISTANCE_MAX * size))
+            if (!(fabs(reduce_angle(crossings, i, a - b)) <= STATE_DISTANCE_MAX * size))
                 return false;
         }
     return true;
 }
 
 /* Returns the distance, in natural sizes, between state k and the state `lag` events later. */
-static double apart_by(const struct crossings *crossings, const double *state, int64_t k,
-                       int64_t lag)
+static double distance_of_states(const struct crossings *crossings, const double *state, int64_t k,
+                                 int64_t lag)
 {
     const struct system *system = &crossings->run->system;
     double apart = 0;
     for (int i = 0; i < system->n; i++) {
         const double a = state[k * system->n + i], b = state[(k + lag) * system->n + i];
-        apart = fmax(apart, fabs(turned(crossings, i, a - b)) / system->scale[i]);
+        apart = fmax(apart, fabs(reduce_angle(crossings, i, a - b)) / system->scale[i]);
     }
     return apart;
 }
 
 /* Returns true if the states still approach an orbit of half as many points, which near a period
  * doubling happens slowly and from both sides. */
-static bool still_settles(const struct crossings *crossings, const double *state, int64_t count,
-                          int64_t apart)
+static bool states_still_settle(const struct crossings *crossings, const double *state,
+                                int64_t count, int64_t apart)
 {
     const int64_t half = apart / 2, last = half > 0 ? (count - 1 - half) / half * half : 0;
     if (apart % 2 != 0)
         return false;
-    const double first = apart_by(crossings, state, 0, half);
-    return !(fabs(apart_by(crossings, state, last, half) - first) <= DISTANCE_CHANGE_MAX * first);
+    const double first = distance_of_states(crossings, state, 0, half);
+    return !(fabs(distance_of_states(crossings, state, last, half) - first) <=
+             DISTANCE_CHANGE_MAX * first);
 }
 
 /* Returns the number of events after which the states [count][n] repeat, or NAN if they do not or
  * still settle. */
-static double repeats(const struct crossings *crossings, const double *state, int64_t count)
+static double count_repeats(const struct crossings *crossings, const double *state, int64_t count)
 {
     for (int64_t apart = 1; 2 * apart <= count && apart <= REPEATS_MAX; apart++)
-        if (comes_again(crossings, state, count, apart))
-            return still_settles(crossings, state, count, apart) ? NAN : (double)apart;
+        if (states_repeat(crossings, state, count, apart))
+            return states_still_settle(crossings, state, count, apart) ? NAN : (double)apart;
     return NAN;
 }
 
@@ -262,7 +263,7 @@ void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossin
         for (int m = 0; m < request->measures; m++)
             *value++ = measure_value(&request->measure[m], system, t, y);
     }
-    values[0] = state ? repeats(crossings, state, k) : NAN;
+    values[0] = state ? count_repeats(crossings, state, k) : NAN;
     worker->failed |= !state;
 }
 

@@ -111,7 +111,7 @@ static void fill_values(const struct section *s, bool linear, int n, int used, c
 
 /* Makes `count` steps and stores the states after them in rows 1 to count; row 0 holds the present
  * ones. */
-static void march(struct sweep_worker *worker, int64_t count)
+static void march_states(struct sweep_worker *worker, int64_t count)
 {
     const int n = worker->system[0].n;
     double *row = worker->section->state, y[LIMIT_VARIABLES];
@@ -133,8 +133,8 @@ static void march(struct sweep_worker *worker, int64_t count)
 
 /* Repeats the step after number `step`, which begins in state y, by the run of the point. Returns
  * false if the run has not seen the event in it. */
-static bool take_again(const struct sweep_worker *worker, struct crossings *p, int64_t step,
-                       const double *y)
+static bool repeat_step(const struct sweep_worker *worker, struct crossings *p, int64_t step,
+                        const double *y)
 {
     const struct sweep_section *section = &worker->job->request->section;
     struct run *run = p->run;
@@ -167,9 +167,9 @@ static bool strobe_lane(const struct sweep_worker *worker, struct crossings *p, 
 {
     const int64_t period = worker->job->request->section.skip + p->seen + 1;
     const size_t row = (size_t)p->seen + 1;
-    take_again(worker, p, p->step, y);
+    repeat_step(worker, p, p->step, y);
     if (!crossings_strobed(p, row, period)) /* it lies at the very begin of the next step */
-        take_again(worker, p, p->step + 1, p->run->y);
+        repeat_step(worker, p, p->step + 1, p->run->y);
     return crossings_strobed(p, row, period);
 }
 
@@ -227,8 +227,8 @@ static bool may_graze(double a, double b, double c)
 
 /* Examines a step of a lane for an event. `value` are those before the previous step, at the begin
  * of the step and at its end; `row` has the states at its begin. */
-static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const double *row,
-                      const double value[3])
+static void examine_step(struct sweep_worker *worker, int lane, int64_t step, const double *row,
+                         const double value[3])
 {
     const struct sweep_section *section = &worker->job->request->section;
     struct crossings *p = &worker->section->lane[lane];
@@ -247,14 +247,14 @@ static void look_lane(struct sweep_worker *worker, int lane, int64_t step, const
             y[k] = row[(size_t)k * LANE_COUNT + (size_t)lane];
         p->last = step + 1;
         p->alone = lane_suspicious(y, worker->system[0].n) ||
-                   (++p->seen > section->skip && !take_again(worker, p, step, y));
+                   (++p->seen > section->skip && !repeat_step(worker, p, step, y));
     }
     p->done = p->alone || p->seen == section->skip + section->keep;
 }
 
 /* Examines `count` steps from number `first` on, between the count + 1 rows of states; the last row
  * then becomes the first. Returns true if a lane is not finished. */
-static bool look_rows(struct sweep_worker *worker, bool linear, int64_t first, int64_t count)
+static bool examine_rows(struct sweep_worker *worker, bool linear, int64_t first, int64_t count)
 {
     struct section *s = worker->section;
     const int n = worker->system[0].n, used = worker->used;
@@ -265,8 +265,8 @@ static bool look_rows(struct sweep_worker *worker, bool linear, int64_t first, i
         fill_values(s, linear, n, used, row + size, s->value[2]);
         for (int lane = 0; lane < used; lane++)
             if (!s->lane[lane].done)
-                look_lane(worker, lane, first + i, row,
-                          (double[]){s->value[0][lane], s->value[1][lane], s->value[2][lane]});
+                examine_step(worker, lane, first + i, row,
+                             (double[]){s->value[0][lane], s->value[1][lane], s->value[2][lane]});
         memmove(s->value[0], s->value[1], 2 * sizeof s->value[0]);
     }
     for (int lane = 0; lane < used; lane++)
@@ -289,8 +289,8 @@ static void march_events(struct sweep_worker *worker)
     fill_values(s, linear, n, worker->used, s->state, s->value[1]);
     memcpy(s->value[0], s->value[1], sizeof s->value[0]);
     for (int64_t row = 0; !cancelled(worker->job->request->cancel); row += SWEEP_ROWS) {
-        march(worker, SWEEP_ROWS);
-        if (!look_rows(worker, linear, row, SWEEP_ROWS))
+        march_states(worker, SWEEP_ROWS);
+        if (!examine_rows(worker, linear, row, SWEEP_ROWS))
             return;
     }
 }

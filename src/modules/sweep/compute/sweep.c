@@ -108,7 +108,7 @@ static bool results_create(struct sweep *sweep, const struct cancel *cancel, str
 }
 
 /* Copies the points that are finished in `previous`. */
-static void take_before(const struct sweep *previous, struct sweep *sweep)
+static void copy_finished(const struct sweep *previous, struct sweep *sweep)
 {
     const int64_t shift = sweep->first - previous->first;
     for (int64_t i = 0; i < sweep->count; i++) {
@@ -155,8 +155,8 @@ static bool sets_clock(const struct sweep_axis *axis)
 
 /* Returns true if the drive, or the times of steps, at the `end` point of an axis differ from those
  * of point 0. */
-static bool drives(const struct sweep_request *request, const struct sweep *sweep, int axis,
-                   int64_t end)
+static bool changes_drive(const struct sweep_request *request, const struct sweep *sweep, int axis,
+                          int64_t end)
 {
     struct system *a = malloc(sizeof *a), *b = malloc(sizeof *b);
     const bool differs =
@@ -177,8 +177,8 @@ static int choose_along(const struct sweep_request *request, const struct sweep 
         return 0;
     const int count[] = {request->axis[0].count, request->axis[1].count},
               longer = count[0] <= count[1];
-    const bool first = drives(request, sweep, 0, (int64_t)(count[0] - 1) * count[1]);
-    const bool second = drives(request, sweep, 1, count[1] - 1);
+    const bool first = changes_drive(request, sweep, 0, (int64_t)(count[0] - 1) * count[1]);
+    const bool second = changes_drive(request, sweep, 1, count[1] - 1);
     return first == second || count[first] <= SWEEP_FEW ? longer : first;
 }
 
@@ -189,7 +189,7 @@ static int thread_count(const struct sweep_request *request, int64_t tasks)
 
 /* Returns true if a point can run in lanes, tried at begin, middle and end of the sweep, as one at
  * an end may lack a force (F0 = 0) that all others have. */
-static bool lanes_go(const struct sweep_job *job)
+static bool can_use_lanes(const struct sweep_job *job)
 {
     const struct sweep_request *request = job->request;
     const struct sweep *sweep = job->sweep;
@@ -210,7 +210,7 @@ static bool lanes_go(const struct sweep_job *job)
 
 /* Divides the points of this sweep into tasks: chooses the axis of lanes and sets lines, blocks and
  * width. */
-static void lay_out(struct sweep_job *job)
+static void divide_tasks(struct sweep_job *job)
 {
     const struct sweep_request *request = job->request;
     const struct sweep *sweep = job->sweep;
@@ -224,7 +224,7 @@ static void lay_out(struct sweep_job *job)
         job->lines = job->blocks = job->width = 1; /* nothing to do */
         return;
     }
-    job->width = job->in_lanes && lanes_go(job) ? LANE_COUNT : 1;
+    job->width = job->in_lanes && can_use_lanes(job) ? LANE_COUNT : 1;
     if (job->lane_axis == 0) {
         job->lines = last;
         job->block = row / job->width;
@@ -285,7 +285,7 @@ static void choose_lanes(struct sweep_job *job, struct plan *plan)
 /* ---- threads ---- */
 
 /* Computes a task on a thread. */
-static void do_task(void *context, int thread, int64_t task)
+static void compute_task(void *context, int thread, int64_t task)
 {
     struct sweep_job *job = context;
     const int64_t computed = sweep_task(&job->worker[thread], job->line + task / job->blocks,
@@ -306,7 +306,7 @@ static void report_points(void *context, double fraction)
 
 /* Adds up the counts of all workers and of the statuses, and finds the reason of the first refused
  * point. */
-static void add_up(struct sweep *sweep, const struct sweep_worker *all, int count)
+static void sum_results(struct sweep *sweep, const struct sweep_worker *all, int count)
 {
     int64_t refused = -1;
     for (int64_t i = 0; i < sweep->count && refused < 0 && sweep->reason[0]; i++)
@@ -345,11 +345,11 @@ static bool run_workers(struct sweep_job *job, struct error *error)
                                       .cancel = request->cancel,
                                       .progress = report_points,
                                       .progress_context = job,
-                                      .work = do_task,
+                                      .work = compute_task,
                                       .context = job};
     if (ready > 0)
         sweep->threads = parallel_do(&parallel, tasks);
-    add_up(sweep, job->worker, ready);
+    sum_results(sweep, job->worker, ready);
     for (int i = 0; i < ready; i++)
         sweep_worker_free(&job->worker[i]);
     free(job->worker);
@@ -395,7 +395,7 @@ static struct sweep_job job_of(const struct sweep_request *request, struct sweep
 
 /* Returns the mean number of fixed steps relative to that with the present dt, if dt is swept,
  * otherwise 1. */
-static double more_steps(const struct sweep_request *request)
+static double steps_factor(const struct sweep_request *request)
 {
     double more = 1;
     for (int a = 0; a < request->axes; a++) {
@@ -417,10 +417,10 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
     if (request->section.wanted)
         plan_section(request, &sweep, &plan);
     if (!job.adapts) {
-        plan.seconds *= more_steps(request);
-        plan.steps *= more_steps(request);
+        plan.seconds *= steps_factor(request);
+        plan.steps *= steps_factor(request);
     }
-    const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && lanes_go(&job);
+    const bool lanes = job.in_lanes && sweep.count > SWEEP_FEW && can_use_lanes(&job);
     double each = plan.seconds + NS_ALONE * 1e-9;
     if (lanes)
         each = job.replays ? plan.seconds / REPLAY_GAIN + NS_ALONE * 1e-9
@@ -440,7 +440,7 @@ int64_t study_sweep_batch(const struct sweep_request *request)
     study_sweep_stretch(request, &sweep);
     const struct sweep_job job = job_of(request, &sweep, &plan);
     const int64_t threads = thread_count(request, INT64_MAX);
-    if (!job.in_lanes || !lanes_go(&job))
+    if (!job.in_lanes || !can_use_lanes(&job))
         return threads;
     const int64_t last = request->axes > 1 ? request->axis[1].count : 1;
     const bool rows = request->axes > 1 && choose_along(request, &sweep) == 0;
@@ -456,8 +456,8 @@ bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struc
         return false;
     struct sweep_job job = job_of(request, sweep, &plan);
     if (request->previous)
-        take_before(request->previous, sweep);
-    lay_out(&job);
+        copy_finished(request->previous, sweep);
+    divide_tasks(&job);
     const bool ok = run_workers(&job, error);
     sweep->seconds = clock_seconds(begin);
     if (!ok)
