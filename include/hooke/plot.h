@@ -259,6 +259,7 @@ struct figure_request {
     bool log;         /* The vertical axis is logarithmic. */
     const struct charset *charset; /* Characters; NULL stands for charset_ascii. */
     double trail; /* Number of periods in phase plot and orbit; 0 stands for 2, HUGE_VAL for all. */
+    bool whole_spiral; /* A phase plot whose turns grow or shrink shows all of them. */
     /* Shows the newest part instead of the first one on a fixed time axis, for a live view. */
     bool follow;
     /* No other plot shares the time axis, so that periods have to be visible only if this plot

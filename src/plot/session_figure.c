@@ -6,12 +6,10 @@
 #include <hooke/figure/layout.h>
 #include <hooke/session/series_tools.h>
 #include <hooke/plot/drawing.h>
-
 #include <hooke/plot.h>
 #include <hooke/session/subject.h>
 
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 const struct observable *observable_named(const char *name)
@@ -239,6 +237,8 @@ static const char *make_note(const struct drawing *d)
         buffer_format(&text, "last %.4g of %.4g s", d->shown, d->total);
     else if (part)
         buffer_format(&text, "last %.4g s", d->shown);
+    else if (drawing_shows_spiral(d))
+        buffer_format(&text, "%.3g turns", d->total / d->period);
     else if (is_smeared(d))
         buffer_format(&text, "%.0f periods: envelope", d->shown / d->period);
     else if (kind_of(d)->note)
@@ -484,7 +484,7 @@ bool session_figure(const struct session *session, const struct figure_request *
                               .equal = (row->scaled && d.omega0 != 1) ||
                                        (row->equal && !request->columns),
                               .note = make_note(&d)};
-    if (!label_axes(&d, row, &x_variable, figure))
+    if (!label_axes(&d, row, &x_variable, figure) || !drawing_label_turns(&d, figure))
         return false;
     if (!row->residual && !row->run_curve && !request->event.len)
         mark_current_state(&d, figure);

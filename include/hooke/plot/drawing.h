@@ -121,6 +121,12 @@ struct axis time_axis(const double window[2]); /* Returns a fixed time axis for 
 void drawing_window(struct drawing *d);
 /* Returns the number of periods that phase plot and orbit show. */
 double drawing_trail(const struct drawing *d);
+/* Returns true if a phase plot shows all turns of a run because they grow or shrink. d->period and
+ * d->total must be set. */
+bool drawing_shows_spiral(const struct drawing *d);
+/* Labels the start of the first turn and the end of the last one of such a run. Returns false with
+ * the error if out of memory. */
+bool drawing_label_turns(const struct drawing *d, struct figure *figure);
 /* Returns the selection of rows that are drawn in a window: only extremes of many rows if nothing
  * but states over the time is drawn. */
 struct row_request drawing_rows(const struct drawing *d, const double window[2]);

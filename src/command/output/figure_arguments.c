@@ -283,6 +283,7 @@ bool make_figure(struct session *session, const struct arguments *args,
     const struct argument_value *window = argument_value(args, "window"),
                                 *table_argument = argument_value(args, "of");
     struct export export = {.arena = args->arena};
+    request->whole_spiral = request->trail == 0 && session->view.trail == VIEW_TRAIL_PERIODS;
     request->trail = request->trail > 0 ? request->trail : session->view.trail;
     request->log = has_argument(args, "log");
     request->full = has_argument(args, "full");

@@ -72,6 +72,12 @@ struct report {
     char no_pdf[600];                /* Reason why the figures are text, or "" if they are not. */
 };
 
+/* Appends the commands that draw the figures of a question of the lab sheet, a line each, into
+ * files named after `file` unless that is empty; is_forced replaces such files. report->material
+ * must be sorted. Returns false with the error if there is no such figure, or if the session has no
+ * run or recording for it. */
+bool question_figures(const struct report *report, int number, struct text file, bool is_forced,
+                      struct buffer *lines, struct error *error);
 /* Writes all files of the report. Returns false with *error if out of memory, if a file cannot be
  * written, or after Ctrl-C; the caller then abandons the folder. */
 bool report_write(struct report *report, struct error *error);

@@ -2,6 +2,7 @@
 /* Commands that take a student through a lesson, step by step (lab, check, hint, skip, again). */
 #ifndef COMMAND_ROWS
 #include <hooke/command/handler.h>
+#include "modules/report/lab.h"
 #include "modules/report/lesson.h"
 
 #include <hooke/base/numeric.h>
@@ -101,10 +102,49 @@ static bool is_loaded(const struct session *session, struct reply *reply)
 }
 
 /* Opens a lesson, repeats the current step, or ends the lesson (`lab off`). */
+/* lab figure N: plots as the report does, by the commands that one would type. */
+static bool draw_question(struct session *session, const struct arguments *args,
+                          struct reply *reply, struct error *error)
+{
+    const struct argument_value *number = argument_value(args, "NUMBER"),
+                                *file = argument_value(args, ">");
+    struct report *report = arena_alloc(args->arena, sizeof *report);
+    struct session *view = arena_alloc(args->arena, sizeof *view);
+    struct buffer lines = {0};
+    static const struct source prompt = {.name = NULL};
+    if (!report || !view)
+        return error_memory(error);
+    if (!number->count) {
+        error_set(error, ERROR_COMMAND, "lab figure needs the number of a question");
+        return error_hint(error, "for example: lab figure 5");
+    }
+    *view = *session;
+    *report = (struct report){.session = session, .view = view, .arena = args->arena};
+    bool ok = collect_values(report, error) && sort_material(report, error) &&
+              question_figures(report, (int)number->item->value.value,
+                               file->count ? file->item->text : TEXT(""),
+                               has_argument(args, "force"), &lines, error);
+    if (ok) {
+        struct script script;
+        struct text rest = buffer_text(&lines), line;
+        script_begin(&script, session, "lab", args->where ? args->where : &prompt);
+        while (!script.stopped && text_split(&rest, '\n', &line) && line.len > 0) {
+            if (reply->format == FORMAT_TEXT)
+                reply_line(reply, "hooke> %.*s", (int)line.len, line.data);
+            script_feed(&script, session, line, reply);
+        }
+        ok = script_end(&script, session, reply);
+    }
+    buffer_free(&lines);
+    return ok;
+}
+
 HANDLER(lab)
 {
     const struct argument_value *name = argument_value(args, "NAME"),
                                 *seed = argument_value(args, "seed");
+    if (name->count && text_is(name->item->text, "figure"))
+        return draw_question(session, args, reply, error);
     if (name->count && text_is(name->item->text, "off")) {
         struct lesson *lesson = session_lesson(session);
         if (lesson)
@@ -257,8 +297,9 @@ HANDLER(again)
 }
 #endif
 
-COMMAND(lab, .group = "SESSION", .flags = COMMAND_UNRECORDED,
-        ARGUMENTS(PLACE("NAME", TYPE_FILE), KEY("seed", TYPE_INTEGER)))
+COMMAND(lab, .group = "SESSION", .flags = COMMAND_UNRECORDED | COMMAND_NESTS,
+        ARGUMENTS(PLACE("NAME", TYPE_FILE), PLACE("NUMBER", TYPE_INTEGER),
+                  KEY("seed", TYPE_INTEGER), WORD(">", TYPE_FILE), OPTION("force", TYPE_NONE)))
 
 COMMAND(check, .group = "SESSION", .flags = COMMAND_UNRECORDED,
         ARGUMENTS(PLACE("VALUE", TYPE_EXPR)))

@@ -13,7 +13,11 @@
 
 #include <math.h>
 
-#define GROWING_LEAST 2.0 /* [s] shortest window of a recording that is being collected */
+/* A phase curve is a spiral if its width changes by more than this fraction from the first turn to
+ * the last. */
+#define SPIRAL_CHANGE_MIN 0.05
+#define SPIRAL_TURNS_MAX 100 /* More turns run together. */
+#define GROWING_LEAST 2.0    /* [s] shortest window of a recording that is being collected */
 
 /* Returns the number of coordinates (or values, for first order) that have the quantity of the
  * first and share its plot. */
@@ -164,6 +168,39 @@ static void growing_window(struct drawing *d, double t_begin, double t_end, doub
 
 /* Chooses the window of the drawing: that of the other plots, that of the request, the trail of a
  * plane, or the newest part in a live view. */
+/* Returns the range of a run's first coordinate between two times. */
+static double coordinate_range(const struct run *run, double t_begin, double t_end)
+{
+    const struct trace *trace = run->trace;
+    double min = HUGE_VAL, max = -HUGE_VAL;
+    for (size_t i = trace_row_at(trace, t_begin);
+         i < trace_count(trace) && trace_time(trace, i) <= t_end; i++) {
+        min = fmin(min, trace_state(trace, i)[0]);
+        max = fmax(max, trace_state(trace, i)[0]);
+    }
+    return max - min;
+}
+
+/* Returns true if the turns of a run that is drawn grow or shrink and are few enough to be seen. */
+static bool is_spiral(const struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    bool spirals = false;
+    if (d->total > SPIRAL_TURNS_MAX * d->period)
+        return false;
+    for (int i = 0; i < request->runs && !spirals; i++) {
+        const struct run *run = d->session->runs.slot[request->run[i]]->run;
+        const size_t count = trace_count(run->trace);
+        if (count < 2 || run_goes_back(run))
+            continue;
+        const double t_begin = trace_time(run->trace, 0), t_end = trace_time(run->trace, count - 1),
+                     first = coordinate_range(run, t_begin, t_begin + d->period),
+                     last = coordinate_range(run, t_end - d->period, t_end);
+        spirals = fabs(last - first) > SPIRAL_CHANGE_MIN * fmax(first, last);
+    }
+    return spirals;
+}
+
 void drawing_window(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -189,7 +226,8 @@ void drawing_window(struct drawing *d)
     d->window[1] = isnan(request->window[1]) ? t_end : request->window[1];
     const double trail = drawing_trail(d) * d->period,
                  max = request->span > 0 ? request->span : longest_window(d);
-    if (plane && !wanted && !request->full && trail < d->total) {
+    const bool whole = request->full || (request->whole_spiral && is_spiral(d));
+    if (plane && !wanted && !whole && trail < d->total) {
         d->window[0] = first_run_goes_back(d) ? t_begin : t_end - trail;
         if (grows) /* moves only after a whole trail, so that the curve stays meanwhile */
             d->window[0] = t_begin + floor((d->window[0] - t_begin) / trail) * trail;
@@ -250,4 +288,31 @@ struct row_request drawing_rows(const struct drawing *d, const double window[2])
         rows.count = d->coordinates;
     }
     return rows;
+}
+
+bool drawing_shows_spiral(const struct drawing *d)
+{
+    const struct figure_request *request = d->request;
+    return request->whole_spiral && plot_is_plane(request->kind) && !request->columns &&
+           isnan(request->window[0]) && isnan(request->window[1]) &&
+           d->total > drawing_trail(d) * d->period && is_spiral(d);
+}
+
+bool drawing_label_turns(const struct drawing *d, struct figure *figure)
+{
+    const struct curve *curve = &d->curve[0];
+    if (!drawing_shows_spiral(d) || d->curves != 1 || curve->n < 2)
+        return true;
+    struct figure_label *label = arena_array(d->arena, 2, sizeof *label);
+    struct buffer last = {0};
+    buffer_format(&last, "turn %.0f", ceil(d->total / d->period));
+    const char *last_text = arena_text(d->arena, buffer_text(&last));
+    buffer_free(&last);
+    if (!label || !last_text)
+        return error_memory(d->error);
+    label[0] = (struct figure_label){curve->x[0], curve->y[0], "turn 1"};
+    label[1] = (struct figure_label){curve->x[curve->n - 1], curve->y[curve->n - 1], last_text};
+    figure->label = label;
+    figure->labels = 2;
+    return true;
 }

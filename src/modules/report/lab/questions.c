@@ -3,6 +3,8 @@
  * based on, and with an empty place for the answer. */
 #include "modules/report/lab/material.h"
 
+#include <hooke/data.h>
+
 #include <string.h>
 
 #define KIND(kind) (1u << PLOT_##kind)
@@ -115,4 +117,103 @@ void put_questions(struct report *report, enum section section)
         document_answer(&report->document);
         document_close(&report->document, BLOCK_TOGETHER);
     }
+}
+
+/* ---- the figures of one question ---- */
+
+/* Destination of a question's figures: each plot is a line of a script, whose file has the kind of
+ * plot in its name if there are several. */
+struct figure_lines {
+    const struct report *report;
+    struct text file; /* file of the figures; empty for the screen */
+    bool several, is_forced;
+    struct buffer *lines;
+};
+
+/* Appends "plot energy run 1 2 > q8-energy.svg". */
+static void put_figure_line(const struct figure_lines *figures, enum plot_kind kind, const int *run,
+                            int runs, const char *recording)
+{
+    const char *name = plot_row(kind)->row.name;
+    struct buffer *lines = figures->lines;
+    const struct text file = figures->file;
+    size_t end = file.len;
+    buffer_format(lines, "plot %s", name);
+    for (int i = 0; i < runs; i++)
+        buffer_format(lines, "%s %d", i ? "" : " run", run_at(figures->report, run[i])->number);
+    if (recording)
+        buffer_format(lines, " data %s", recording);
+    while (end > 0 && file.data[end - 1] != '.' && file.data[end - 1] != '/')
+        end--;
+    end = end > 0 && file.data[end - 1] == '.' ? end - 1 : file.len;
+    if (file.len > 0 && figures->several)
+        buffer_format(lines, " > \"%.*s-%s%.*s\"", (int)end, file.data, name, (int)(file.len - end),
+                      file.data + end);
+    else if (file.len > 0)
+        buffer_format(lines, " > \"%.*s\"", (int)file.len, file.data);
+    buffer_put(lines, figures->is_forced && file.len > 0 ? TEXT(" --force\n") : TEXT("\n"));
+}
+
+/* Finds the runs that a question is about. Returns how many. */
+static int question_runs(const struct report *report, const struct question *q, const int **run)
+{
+    const struct material *m = report->material;
+    *run = m->run[q->section];
+    if (q->section == SECTION_SCHEMES) {
+        *run = m->scheme;
+        return m->schemes > 1 ? m->schemes : 0;
+    }
+    if (q->section == SECTION_SIMULATION || q->section == SECTION_ENERGY) {
+        *run = &m->euler;
+        return m->euler >= 0;
+    }
+    return m->runs[q->section] < REPORT_OVERLAY ? m->runs[q->section] : REPORT_OVERLAY;
+}
+
+bool question_figures(const struct report *report, int number, struct text file, bool is_forced,
+                      struct buffer *lines, struct error *error)
+{
+    static const char *const missing[SECTION_COUNT] = {
+        [SECTION_RECORDING] = "load FILE",
+        [SECTION_SIMULATION] = "method euler; run",
+        [SECTION_ENERGY] = "method euler; run",
+        [SECTION_SCHEMES] = "compare euler symplectic-euler dt=10ms",
+        [SECTION_DAMPED_SIMULATION] = "gamma = VALUE; run",
+    };
+    const struct question *q = NULL;
+    for (size_t i = 0; i < COUNT_OF(questions); i++)
+        if (questions[i].number == number)
+            q = &questions[i];
+    if (!q)
+        return error_set(error, ERROR_COMMAND, "the lab sheet has questions 1 to 10");
+    if (number == 7) {
+        buffer_put(lines, TEXT("taylor euler\n"));
+        return true;
+    }
+    if (number == 9) {
+        buffer_put(lines, TEXT("print Re\n"));
+        return true;
+    }
+    if (!q->figures)
+        return error_set(error, ERROR_COMMAND,
+                         "question %d asks for a derivation, not for a figure", number);
+    const struct figure_lines figures = {.report = report,
+                                         .file = file,
+                                         .several = (q->figures & (q->figures - 1)) != 0,
+                                         .is_forced = is_forced,
+                                         .lines = lines};
+    const int *run;
+    const int runs = question_runs(report, q, &run), first = report->material->first;
+    const bool is_recorded = q->section == SECTION_RECORDING;
+    if (is_recorded ? first < 0 : runs == 0) {
+        error_set(error, ERROR_COMMAND, "question %d: there is no %s for its figure", number,
+                  is_recorded ? "recording" : "run");
+        return error_hint(error, "type: %s", missing[q->section]);
+    }
+    for (int kind = 0; kind < (int)plot_catalog.count; kind++)
+        if (kind < 32 && q->figures & 1u << kind)
+            put_figure_line(&figures, (enum plot_kind)kind, run, is_recorded ? 0 : runs,
+                            is_recorded ? report->session->recording[first]->recording->name
+                                        : NULL);
+    return !lines->failed || error_memory(error);
 }
