@@ -69,8 +69,8 @@ static void describe_scene(const struct scene *scene, const struct system *syste
     for (int i = 0; i < system->n; i++)
         buffer_format(text, "%s %s", i ? "," : "", system_variable(system, i).name);
     const char *const driven = system->autonomous ? "autonomous" : "driven by time";
-    buffer_format(text, "; %s, %s%s\n", system->linear ? "linear" : "not linear", driven,
-                  system->conservative ? ", conservative" : "");
+    buffer_format(text, "; %s, %s", system->linear ? "linear" : "not linear", driven);
+    buffer_format(text, system->conservative ? ", conservative\n" : "\n");
     for (int i = 0; i < system->terms; i++) {
         const struct row *row = &system->term[i].row->row;
         description_key_put(text, i ? "" : "terms");
@@ -299,10 +299,12 @@ void plan_describe(const struct scene *scene, const struct system *system,
     describe_record(system, settings, plan, text);
     describe_prediction(system, method, settings, plan, text);
     description_key_put(text, "exact");
-    buffer_format(text, !plan->exact_known ? "no closed form: no error column\n"
-                        : system->oscillator.whole || system->model->exact
-                            ? "closed form known: no reference integration\n"
-                            : "known by the matrix exponential: no reference integration\n");
+    if (!plan->exact_known)
+        buffer_put(text, TEXT("no closed form: no error column\n"));
+    else if (system->oscillator.whole || system->model->exact)
+        buffer_put(text, TEXT("closed form known: no reference integration\n"));
+    else
+        buffer_put(text, TEXT("known by the matrix exponential: no reference integration\n"));
     if (system->order == 2 && !system->energy) {
         description_key_put(text, "energy");
         buffer_format(text,

@@ -47,10 +47,11 @@ static bool check_memory(const struct run_settings *settings, double rows, doubl
     if (bytes <= budget)
         return true;
     const bool timed = settings->record.rule == RECORD_TIMES;
-    double every = ceil(bytes / budget) * (timed ? settings->record.interval
-                                           : settings->record.rule == RECORD_EVERY
-                                               ? (double)settings->record.every
-                                               : 1);
+    double every = ceil(bytes / budget);
+    if (timed)
+        every *= settings->record.interval;
+    else if (settings->record.rule == RECORD_EVERY)
+        every *= (double)settings->record.every;
     error_set(error, ERROR_COMMAND,
               "recording %.6g rows needs %.4g bytes, the budget is %.4g bytes", rows, bytes,
               budget);

@@ -134,9 +134,10 @@ void system_guards(const struct system *frozen, double t, const double *y, doubl
     switch_arguments(side, t, y, guard);
     for (int i = 0; i < frozen->switches; i++) {
         const double branch = frozen_branch(side, i);
-        guard[i] = switch_kind_of(side, i) == SWITCH_SIGN
-                       ? (branch > 0 ? guard[i] : -guard[i])
-                       : (guard[i] - branch) * (branch + 1 - guard[i]);
+        if (switch_kind_of(side, i) == SWITCH_SIGN)
+            guard[i] = branch > 0 ? guard[i] : -guard[i];
+        else
+            guard[i] = (guard[i] - branch) * (branch + 1 - guard[i]);
     }
     if (frozen->sliding)
         sliding_guards(frozen->sliding, t, y, guard);
@@ -151,8 +152,9 @@ double system_next_branch(const struct system *frozen, int i, double t, const do
     const double branch = frozen_branch(side, i);
     double argument[LIMIT_SWITCHES];
     switch_arguments(side, t, y, argument);
-    return switch_kind_of(side, i) == SWITCH_SIGN ? branch == 0
-                                                  : branch + (argument[i] > branch + 0.5 ? 1 : -1);
+    if (switch_kind_of(side, i) == SWITCH_SIGN)
+        return branch == 0;
+    return branch + (argument[i] > branch + 0.5 ? 1 : -1);
 }
 
 double system_lower_branch(const struct system *frozen, int i, double t, const double *y)

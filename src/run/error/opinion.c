@@ -140,10 +140,9 @@ static void opinion_compare(struct run *run, struct distances *d, double t, cons
         d->lost_sum = 0;
     }
     const double lost_duration = fabs(t - d->lost);
-    opinion->lost =
-        (lost_duration > 0 ? d->lost_sum >= LOST_MEAN_MIN * lost_duration : here >= OPINION_LOST)
-            ? d->lost
-            : NAN;
+    const bool lost =
+        lost_duration > 0 ? d->lost_sum >= LOST_MEAN_MIN * lost_duration : here >= OPINION_LOST;
+    opinion->lost = lost ? d->lost : NAN;
     opinion->error = fmax(here, way > 0 ? d->sum / way : 0);
     opinion->max = fmax(opinion->max, here);
     opinion->t = t;
@@ -223,8 +222,9 @@ static const struct method *choose_method(const struct run *run, bool other)
     const double evals = (double)run->cost.evals;
     const bool stiff =
         !(EVALS_A_UNIT * run_stiffness(run) <= fmax(STIFF_EVALS_FRACTION * evals, EVALS_FREE));
-    return stiff == other ? method_find("dop853")
-                          : method_find(run->method->rosenbrock ? "radau5" : "rodas5p");
+    if (stiff == other)
+        return method_find("dop853");
+    return method_find(run->method->rosenbrock ? "radau5" : "rodas5p");
 }
 
 /* Starts the second solution at the run's first row. Returns false if that fails. */

@@ -146,9 +146,10 @@ double events_watch_value(struct event_watch *watch, const struct watched *watch
 static struct interval less_interval(struct interval a, struct interval b)
 {
     const double lo = a.lo - b.hi, hi = a.hi - b.lo, slack = 4 * DBL_EPSILON;
+    if (a.lo != a.lo || b.lo != b.lo)
+        return (struct interval){NAN, NAN};
     if (lo != lo || hi != hi)
-        return (struct interval){a.lo == a.lo && b.lo == b.lo ? -HUGE_VAL : NAN,
-                                 a.lo == a.lo && b.lo == b.lo ? HUGE_VAL : NAN};
+        return (struct interval){-HUGE_VAL, HUGE_VAL};
     return (struct interval){lo - slack * fabs(lo), hi + slack * fabs(hi)};
 }
 

@@ -98,9 +98,10 @@ static double balance_row_price(const struct run_scenario *s)
                                                      : 2 * evaluation_price_called(system);
     if (s->plan->ledger && s->plan->adaptive)
         return solved;
-    if (s->plan->ledger)
-        return (system->linear ? work_linear : work) + 0.7 * forces +
-               (system->kinks ? across_kink : 0);
+    if (s->plan->ledger) {
+        const double step = system->linear ? work_linear : work;
+        return step + 0.7 * forces + (system->kinks ? across_kink : 0);
+    }
     return system->n == 2 ? plain + forces / 4 : several * system->n;
 }
 

@@ -205,11 +205,9 @@ static struct jet jet_power(struct jet x, struct jet n)
     if (x.value.hi < 0)
         return jet_jump(NAN, NAN);
     /* The power grows with x, from 0 at 0, if n > 0. */
-    const bool grows = n.value.lo > 0;
-    const double max = !grows            ? HUGE_VAL
-                       : x.value.hi == 0 ? 0
-                                         : jet_power(jet_number(x.value.hi), n).value.hi;
-    return jet_jump(0, max);
+    if (!(n.value.lo > 0))
+        return jet_jump(0, HUGE_VAL);
+    return jet_jump(0, x.value.hi == 0 ? 0 : jet_power(jet_number(x.value.hi), n).value.hi);
 }
 
 /* Returns the bounds of a function of two arguments; no bounds if it is not known here. */
@@ -256,9 +254,10 @@ struct jet jet_apply(const struct op *op, const struct jet *x)
     case OP_POW:
         return jet_two(function_power, x[0], x[1]);
     case OP_CALL:
-        return op->function->one   ? jet_one(op->function->one, x[0])
-               : op->function->two ? jet_two(op->function->two, x[0], x[1])
-                                   : jet_if(x[0], x[1], x[2]);
+        if (op->function->one)
+            return jet_one(op->function->one, x[0]);
+        return op->function->two ? jet_two(op->function->two, x[0], x[1])
+                                 : jet_if(x[0], x[1], x[2]);
     case OP_NAME:
         break;
     }

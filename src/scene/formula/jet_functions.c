@@ -63,8 +63,8 @@ static struct interval_jet unknown_slopes(struct interval f)
 static bool contains_multiple(struct interval x, double shift, int part)
 {
     const double tolerance = 4 * 0x1p-52 * fmax(fabs(x.lo), fabs(x.hi));
-    const double period = part == 2 ? M_PI : 2 * M_PI,
-                 first = (part == 1 ? shift + 1 : shift) * M_PI;
+    const double period = part == 2 ? M_PI : 2 * M_PI;
+    const double first = (part == 1 ? shift + 1 : shift) * M_PI;
     return floor((x.hi + tolerance - first) / period) >= ceil((x.lo - tolerance - first) / period);
 }
 

@@ -33,7 +33,8 @@ struct outer outer_add(struct outer a, struct outer b)
         return outer_interval(interval_add(a.interval, b.interval));
     if (a.has_gap && b.has_gap)
         return anything();
-    const struct outer gap = a.has_gap ? a : b, plain = a.has_gap ? b : a;
+    const struct outer gap = a.has_gap ? a : b;
+    const struct outer plain = a.has_gap ? b : a;
     if (interval_empty(plain.interval))
         return plain;
     return with_gap(gap.interval.lo + plain.interval.hi, gap.interval.hi + plain.interval.lo);
@@ -63,7 +64,8 @@ static struct outer outer_multiply(struct outer a, struct outer b)
         return with_gap(fmax(a.interval.hi * b.interval.lo, a.interval.lo * b.interval.hi),
                         fmin(a.interval.hi * b.interval.hi, a.interval.lo * b.interval.lo));
     }
-    const struct outer gap = a.has_gap ? a : b, plain = a.has_gap ? b : a;
+    const struct outer gap = a.has_gap ? a : b;
+    const struct outer plain = a.has_gap ? b : a;
     if (interval_empty(plain.interval))
         return plain;
     if (plain.interval.lo > 0)
@@ -78,11 +80,11 @@ static struct outer outer_inverse(struct outer a)
 {
     if (!a.has_gap && !interval_has(a.interval, 0))
         return outer_interval(interval_div(interval_point(1), a.interval));
-    if (!a.has_gap)
-        return a.interval.lo == 0 && a.interval.hi == 0
-                   ? anything()
-                   : with_gap(a.interval.lo < 0 ? 1 / a.interval.lo : -HUGE_VAL,
-                              a.interval.hi > 0 ? 1 / a.interval.hi : HUGE_VAL);
+    if (!a.has_gap) {
+        const double lo = a.interval.lo < 0 ? 1 / a.interval.lo : -HUGE_VAL;
+        const double hi = a.interval.hi > 0 ? 1 / a.interval.hi : HUGE_VAL;
+        return a.interval.lo == 0 && a.interval.hi == 0 ? anything() : with_gap(lo, hi);
+    }
     if (!has_zero_in_gap(a))
         return anything();
     return outer_interval(interval_wide(1 / a.interval.lo, 1 / a.interval.hi, 2));

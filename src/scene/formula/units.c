@@ -325,11 +325,12 @@ static bool refuse_glued(struct compiler *c, const struct unit *unit)
         return error_at(c->error, typed, "the unit %s is written without blanks", whole);
     error_at(c->error, typed, "unknown unit '%s': %s is one", whole, unit->row.name);
     c->error->unknown = "unit";
-    return power ? error_hint(c->error, "a power of a value is written (%.*s %s)^%.*s",
-                              shown_length(operand->text), operand->text.data, unit->row.name,
-                              (int)(word < 16 ? word : 16), other.data)
-                 : error_hint(c->error, "%s is also a name; to use the name, put blanks around it",
-                              unit_match(other)->row.name);
+    if (!power)
+        return error_hint(c->error, "%s is also a name; to use the name, put blanks around it",
+                          unit_match(other)->row.name);
+    return error_hint(c->error, "a power of a value is written (%.*s %s)^%.*s",
+                      shown_length(operand->text), operand->text.data, unit->row.name,
+                      (int)(word < 16 ? word : 16), other.data);
 }
 
 /* Sets the error that a unit cannot follow a name or another unit. Returns false. */

@@ -115,13 +115,15 @@ static void swing(const struct oscillator *o, real omega, double q, real time, d
     const real whole = floorl(fabsl(time) / half),
                stuck = time > 0 ? sticking(o, omega, first, whole) : whole + 1;
     const real n = time > 0 ? fminl(whole, stuck) : -whole;
-    const real side = (fmodl(fabsl(n), 2) == 1 ? -1 : 1) * ((real)q > middle ? 1 : -1);
+    const bool is_right = (real)q > middle, is_odd = fmodl(fabsl(n), 2) == 1;
+    const real side = is_right == is_odd ? -1 : 1; /* that on which turning point n is */
     const double turning_state[2] = {(double)(middle + side * amplitude(o, omega, first, n)), 0};
+    const real direction = time > 0 ? -side : side;
     if (stuck <= whole)
         resting_state_set(turning_state[0], y);
     else
-        dry_motion_advance(o, (double)(time > 0 ? -side : side), n == 0 ? start : turning_state,
-                           time - n * half, y);
+        dry_motion_advance(o, (double)direction, n == 0 ? start : turning_state, time - n * half,
+                           y);
 }
 
 void dry_exact(const struct system *system, double t0, const double *start, double t, double *y,

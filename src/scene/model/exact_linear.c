@@ -36,11 +36,13 @@ static void coefficients(const struct system *system, struct matrix *x)
     double *jac = system_new_jacobian(system, system->t0, rest);
     system_derivative(system, system->t0, rest, b);
     x->n = n + 1;
-    for (int i = 0; i <= n; i++) {
+    for (int i = 0; i < n; i++) {
         for (int j = 0; j < n; j++)
-            x->entry[i][j] = i == n ? 0 : jac ? (real)jac[i * n + j] : (real)NAN;
-        x->entry[i][n] = i < n ? (real)b[i] : 0;
+            x->entry[i][j] = jac ? (real)jac[i * n + j] : (real)NAN;
+        x->entry[i][n] = (real)b[i];
     }
+    for (int j = 0; j <= n; j++)
+        x->entry[n][j] = 0;
     free(jac);
 }
 

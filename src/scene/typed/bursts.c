@@ -188,8 +188,12 @@ static bool stands_out(const struct way *way, int row, double a, double b, doubl
     enum { POINTS = 6 };
     static const double around_it[3][POINTS] = {
         {-1, -0.5, 0, 1, 1.5, 2}, {0, 1, 1.5, 2, 2.5, 3}, {-2, -1.5, -1, -0.5, 0, 1}};
-    /* there may be a switch at an end */
-    const double *node = around_it[a < b - a ? 1 : b + (b - a) > 1 ? 2 : 0];
+    /* The points are on one side where the other one would be beyond an end of the path. */
+    const double *node = around_it[0];
+    if (a < b - a)
+        node = around_it[1];
+    else if (b + (b - a) > 1)
+        node = around_it[2];
     double value[POINTS], deviation = 0;
     for (int k = 0; k < POINTS; k++)
         value[k] = row_value(way, row, a + node[k] * (b - a));

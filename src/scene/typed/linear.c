@@ -64,11 +64,13 @@ bool typed_look(const struct typed *typed, const struct program *program, bool *
     for (int i = 0; allocated && i < program->nodes; i++) {
         const struct node *node = &program->node[i];
         const int arity = node_arity(node->kind), *x = node->operand;
-        node_degree[i] = (signed char)(node->kind == NODE_NAME
-                                           ? x[0] >= 1 && x[0] <= typed->model.n
-                                           : degree(node->kind, arity > 0 ? node_degree[x[0]] : 0,
-                                                    arity > 1 ? node_degree[x[1]] : 0,
-                                                    arity > 2 ? node_degree[x[2]] : 0));
+        int d[3] = {0};
+        for (int k = 0; k < arity; k++)
+            d[k] = node_degree[x[k]];
+        if (node->kind == NODE_NAME)
+            node_degree[i] = x[0] >= 1 && x[0] <= typed->model.n;
+        else
+            node_degree[i] = (signed char)degree(node->kind, d[0], d[1], d[2]);
         *kinks = *kinks || (needed[i] && arity > 0 && has_kink(program->node, node, 2));
     }
     for (int i = 0; allocated && i < program->outputs; i++)

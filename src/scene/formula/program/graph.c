@@ -199,7 +199,9 @@ static enum zero_mark mark_of_result(const struct graph *g, const struct node *n
     const enum zero_mark b = node_arity(node->kind) > 1 ? mark_of(g, node->operand[1]) : a;
     if (node->kind == NODE_MUL)
         return a > b ? a : b;
-    return node->kind == NODE_ADD || node->kind == NODE_SUB ? (a < b ? a : b) : ZERO_NUMBER;
+    if (node->kind == NODE_ADD || node->kind == NODE_SUB)
+        return a < b ? a : b;
+    return ZERO_NUMBER;
 }
 
 /* Returns the operand of node i if that is a negation, else -1. */
@@ -287,10 +289,11 @@ static int node_simplify(struct graph *g, struct node node)
             return graph_apply(g, NODE_MUL, a, graph_number(g, 1 / g->node[b].number), 0);
         return -1;
     case NODE_IF:
-        return node_is_number(g, a) ? isnan(g->node[a].number) ? a
-                                      : g->node[a].number > 0  ? b
-                                                               : c
-                                    : -1;
+        if (!node_is_number(g, a))
+            return -1;
+        if (isnan(g->node[a].number))
+            return a;
+        return g->node[a].number > 0 ? b : c;
     case NODE_ONE:
         return -1;
     case NODE_TWO:

@@ -68,10 +68,12 @@ static void product_fuse(struct node *node, const struct node *all, struct usage
         const int product = node->operand[k], other = node->operand[!k];
         if (all[product].kind != NODE_MUL || usage[product].uses != 1)
             continue;
-        node->kind = node->kind == NODE_NEG   ? NODE_NEG_MUL
-                     : node->kind == NODE_ADD ? NODE_MUL_ADD
-                     : k == 0                 ? NODE_MUL_SUB
-                                              : NODE_SUB_MUL;
+        if (node->kind == NODE_NEG)
+            node->kind = NODE_NEG_MUL;
+        else if (node->kind == NODE_ADD)
+            node->kind = NODE_MUL_ADD;
+        else
+            node->kind = k == 0 ? NODE_MUL_SUB : NODE_SUB_MUL;
         node->operand[0] = all[product].operand[0];
         node->operand[1] = all[product].operand[1];
         node->operand[2] = other;
