@@ -85,6 +85,7 @@ static int distinguishing_digits(const struct equilibria *found, int n)
     return digits;
 }
 
+/* Appends a table: number, state, type and eigenvalues of each equilibrium. */
 void put_equilibria(struct buffer *output, const struct system *system,
                     const struct equilibria *found, struct arena *arena)
 {
@@ -202,6 +203,7 @@ static void reply_form(const struct equilibrium_form *form, int n, struct reply 
     reply_close(reply);
 }
 
+/* Adds the record `equilibrium`; `stable` is null if linear theory does not decide. */
 void reply_equilibrium(const struct system *system, const struct equilibria *found, int k,
                        bool full, struct reply *reply)
 {

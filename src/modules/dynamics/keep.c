@@ -37,6 +37,7 @@ static char *equations_of(const struct scene *scene)
     return text.data;
 }
 
+/* Compares the stored equations with those of the scene. */
 const struct dynamics *session_dynamics(const struct session *session)
 {
     const struct dynamics_part *part = session_part_if_made(session, &dynamics_module);
@@ -70,6 +71,7 @@ static void free_branch(struct kept_branch *branch)
     free(branch->special);
 }
 
+/* Frees all results; NULL is allowed. */
 void dynamics_free(struct dynamics *dynamics)
 {
     if (!dynamics)
@@ -136,6 +138,7 @@ static bool same_solution(const struct solution *a, const struct solution *b)
 
 /* ---- equilibria and orbits ---- */
 
+/* Copies the equilibria and the parameters with which they were found, in place of earlier ones. */
 bool dynamics_keep_equilibria(struct session *session, const struct equilibria *found,
                               struct error *error)
 {
@@ -179,6 +182,8 @@ static int find_same_orbit(const struct dynamics *dynamics, const double *value,
     return -1;
 }
 
+/* Copies an orbit behind the others, and removes the same one or, if all places are taken, the
+ * oldest. */
 const struct kept_orbit *dynamics_keep_orbit(struct session *session, const struct solution *orbit,
                                              int samples, const double *sample, struct error *error)
 {
@@ -286,6 +291,8 @@ static bool label_points(struct dynamics *dynamics, struct kept_branch *branch)
     return true;
 }
 
+/* Takes over a branch with labels for its special points, and removes the oldest if all places are
+ * taken. */
 struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_branch *like,
                                          const double *value, struct error *error)
 {
@@ -315,6 +322,7 @@ struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_br
     return kept;
 }
 
+/* Searches the latest branch first, and compares labels without regard to case. */
 const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct text label,
                                         const struct kept_branch **branch)
 {

@@ -121,6 +121,7 @@ static void put_contradiction(const struct kept_branch *branch, const struct kep
         buffer_format(output, "%s: NO, as %s\n", label, contradiction);
 }
 
+/* Appends one table with the special points of several branches, then what contradicts them. */
 void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
                 struct arena *arena, struct buffer *output)
 {
@@ -214,6 +215,7 @@ static struct system unbound_system(const struct session *session)
     return (struct system){.model = model, .n = model->n};
 }
 
+/* Lists the stored equilibria as a table and as records. */
 bool dynamics_list_equilibria(struct session *session, struct arena *arena, struct reply *reply)
 {
     const struct dynamics *d = session_dynamics(session);
@@ -251,6 +253,7 @@ static void put_orbit_row(struct text_table *table, const struct system *system,
     cell_values(table, s);
 }
 
+/* Lists the stored orbits as a table and as records. */
 bool dynamics_list_orbits(struct session *session, struct arena *arena, struct reply *reply)
 {
     const struct dynamics *d = session_dynamics(session);
@@ -290,6 +293,7 @@ static void put_labels(struct buffer *output, const struct kept_branch *b)
     }
 }
 
+/* Lists the stored branches, their ends and labels, as a table and as records. */
 bool dynamics_list_branches(struct session *session, struct arena *arena, struct reply *reply)
 {
     const struct dynamics *d = session_dynamics(session);
@@ -332,6 +336,7 @@ bool dynamics_list_branches(struct session *session, struct arena *arena, struct
     return true;
 }
 
+/* Lists the special points of all stored branches. */
 bool dynamics_list_points(struct session *session, struct arena *arena, struct reply *reply)
 {
     const struct dynamics *d = session_dynamics(session);
@@ -349,6 +354,7 @@ bool dynamics_list_points(struct session *session, struct arena *arena, struct r
 
 /* ---- use ---- */
 
+/* Finds an equilibrium by its number; NULL stands for the first. */
 bool find_equilibrium(const struct session *session, const struct dynamics *d,
                       const struct item *number, struct kept_reference *found, struct error *error)
 {
@@ -365,6 +371,7 @@ bool find_equilibrium(const struct session *session, const struct dynamics *d,
     return true;
 }
 
+/* Finds an orbit by its number; NULL stands for the latest. */
 bool find_orbit(const struct session *session, const struct dynamics *d, const struct item *number,
                 struct kept_reference *found, struct error *error)
 {
@@ -420,6 +427,8 @@ static void put_changes(const struct scene *previous, const struct scene *now,
                           SHOWN_QUANTITY(now->value[i], param_at(now, i)->quantity, 9));
 }
 
+/* Takes the parameters and the state of a stored solution into the scene, and tells which have
+ * changed. */
 bool use_kept(HANDLER_PARAMETERS)
 {
     const struct argument_value *label = argument_value(args, "N|LABEL"),

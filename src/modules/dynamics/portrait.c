@@ -33,6 +33,7 @@ static void reply_crossings(const struct separatrix *s, const struct variable va
     reply_close(reply);
 }
 
+/* Adds text and a record for each separatrix of the portrait that is shown. */
 void reply_portrait(const struct session *session, const struct figure_request *request,
                     struct reply *reply)
 {

@@ -131,6 +131,7 @@ static struct table_column *add_column(struct table_builder *b, const char *name
     return column;
 }
 
+/* The name is copied; the values are left for the caller to fill. */
 double *table_add_reals(struct table_builder *b, const char *name, const char *suffix,
                         enum quantity quantity)
 {
@@ -144,6 +145,7 @@ double *table_add_reals(struct table_builder *b, const char *name, const char *s
     return value;
 }
 
+/* The texts are left for the caller to fill; they have to live as long as the table. */
 const char **table_add_texts(struct table_builder *b, const char *name)
 {
     struct table_column *column = add_column(b, name, "");

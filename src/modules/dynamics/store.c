@@ -24,6 +24,7 @@ static uint64_t result_id(const struct dynamics *d, int i)
     return i < d->orbits ? d->orbit[i].id : d->branch[i - d->orbits]->id;
 }
 
+/* Writes the head of the results: equations, counters, and the identifiers of all results. */
 void dynamics_put_head(const void *part, struct buffer *buffer)
 {
     const struct dynamics *d = ((const struct dynamics_part *)part)->found;
@@ -106,6 +107,7 @@ static void put_result(const struct dynamics *d, int i, struct buffer *buffer)
     }
 }
 
+/* Writes the next result that the file does not have yet. */
 bool dynamics_put_next(const void *part, struct stored *stored, int *next)
 {
     const struct dynamics *d = ((const struct dynamics_part *)part)->found;
@@ -124,6 +126,7 @@ bool dynamics_put_next(const void *part, struct stored *stored, int *next)
     return false;
 }
 
+/* Keeps the identifiers of results that still exist. */
 void dynamics_forget(const void *part, struct stored *stored)
 {
     const struct dynamics *d = ((const struct dynamics_part *)part)->found;

@@ -11,6 +11,7 @@ struct stored_portrait *stored_portrait(const struct session *session)
     return part ? &part->portrait : NULL;
 }
 
+/* Compares model, parameters, variables and kind of lines, but not the region. */
 bool portrait_is_of(const struct stored_portrait *stored, const struct portrait_request *request)
 {
     const struct portrait_request *made = &stored->request;
@@ -30,6 +31,7 @@ static bool same_place(const struct portrait_request *a, const struct portrait_r
            memcmp(&a->t, &b->t, sizeof a->t) == 0;
 }
 
+/* Makes the portrait again if anything in the request differs from the stored one. */
 const struct portrait *session_portrait(const struct session *session,
                                         const struct portrait_request *request, struct error *error)
 {

@@ -51,6 +51,7 @@ static bool read_request(const struct arguments *args, struct noise_request *req
     return true;
 }
 
+/* Defaults are those of the session: duration and step, and the method that suits the scene. */
 const struct noise_setup *noise_setup_read(struct session *session, const struct arguments *args,
                                            struct error *error)
 {
@@ -98,6 +99,7 @@ static void put_values(struct buffer *text, const char *name, const double *valu
         buffer_format(text, "%s%s", i ? ", " : "", SHOWN_QUANTITY(value[i], quantity, 6));
 }
 
+/* Appends damping, temperature or strength, and seed. */
 void noise_setup_put(const struct noise_setup *setup, struct buffer *text)
 {
     const struct noise_forcing *forcing = &setup->forcing;
@@ -122,6 +124,7 @@ static void reply_values(struct reply *reply, const char *key, const double *val
     reply_reals(reply, key, value, count, "");
 }
 
+/* Adds method, step, temperature, damping, strengths and seed to the record. */
 void noise_setup_reply(const struct noise_setup *setup, const struct path_grid *grid,
                        struct reply *reply)
 {
@@ -159,6 +162,7 @@ static void add_of_variable(struct keys *keys, const char *name,
         add_quantity(keys, kept, value, quantity);
 }
 
+/* Stores the table with the keys from which it can be made again. */
 void noise_keep_table(const struct noise_setup *setup, double dt, const char *kind,
                       const char *subject, struct arena *arena, const struct table *table,
                       struct reply *reply)
@@ -220,6 +224,7 @@ static double step_seconds(const struct noise_setup *setup)
     return clock_seconds(begun) / STEPS_TIMED;
 }
 
+/* Measures the time of a few steps to predict that of all. */
 bool noise_check_cost(struct session *session, const struct arguments *args,
                       const struct noise_setup *setup, double bytes, double steps,
                       struct error *error)
@@ -233,6 +238,7 @@ bool noise_check_cost(struct session *session, const struct arguments *args,
                       error);
 }
 
+/* Observables of a run's history, such as its error, are refused. */
 bool noise_column(struct session *session, const struct arguments *args,
                   const struct noise_setup *setup, struct path_column *column,
                   struct variable *shown, struct error *error)

@@ -29,6 +29,7 @@ double page_labels_height(const struct picture_style *style)
     return style->tick + style->tick_gap + style->font + style->leading;
 }
 
+/* Draws a grid line at each tick of one axis. */
 void page_grid(struct page *page, bool vertical)
 {
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;

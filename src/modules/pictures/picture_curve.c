@@ -277,6 +277,7 @@ static void draw_band(struct page *page, int index)
     surface_unclip(page->surface);
 }
 
+/* Draws a short band in the legend, or only returns its width. */
 double page_band_sample(struct page *page, int index, double x, double y, bool draw)
 {
     const double width = page->style.sample, half = page->style.band_sample / 2;
@@ -376,6 +377,7 @@ static void draw_points(struct page *page, int index, bool dense)
     paint_points(page, index, dense);
 }
 
+/* Draws a short line, a mark, a letter or dots in the legend, as the curve is drawn. */
 double page_sample(struct page *page, int index, double x, double y, bool draw)
 {
     const struct picture_style *style = &page->style;
@@ -459,6 +461,7 @@ static void draw_lines(struct page *page)
                 draw_line(page, i, marked);
 }
 
+/* Draws in the order in which things may cover each other; the first curve is drawn last. */
 void page_curves(struct page *page)
 {
     const struct figure *figure = page->figure;

@@ -2,6 +2,7 @@
 /* Draws what accompanies the curves of a picture: lines, shaded areas, and words beside points. */
 #include "modules/pictures/picture.h"
 
+/* Draws guides as thin grey lines, or as shaded areas. */
 void page_guides(const struct page *page)
 {
     surface_clip(page->surface, page->left, page->top, page->right, page->bottom);
@@ -19,6 +20,7 @@ void page_guides(const struct page *page)
     surface_unclip(page->surface);
 }
 
+/* Draws each label left of its point, on nearly opaque white. */
 void page_labels(struct page *page)
 {
     for (int i = 0; i < page->figure->labels; i++) {

@@ -69,6 +69,7 @@ static void add_boxes(const struct page *page, const struct heat *heat,
     }
 }
 
+/* Draws the cells of a heat map, colour by colour. */
 void page_heat(const struct page *page)
 {
     const struct heat *heat = page->figure->heat;
@@ -128,6 +129,7 @@ static void label_bar(const struct page *page, const struct heat *heat,
               buffer_view(page->text));
 }
 
+/* Draws the colours from the lowest value to the highest, a frame and labels. */
 void page_bar(const struct page *page)
 {
     const struct heat *heat = page->figure->heat;

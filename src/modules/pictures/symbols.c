@@ -104,6 +104,7 @@ static size_t put_arithmetic(struct buffer *output, struct text text, size_t i)
     return 0;
 }
 
+/* Copies the text, and replaces numbers and signs by symbols. */
 void put_number_symbols(struct buffer *output, struct text text)
 {
     for (size_t i = 0; i < text.len;) {

@@ -125,6 +125,7 @@ static void report_unmatched(struct check *check, const struct values *values, s
     buffer_free(&detail);
 }
 
+/* Compares rows that both tables have, and reports those that only one has. */
 void check_values(struct check *check, struct text handed_text, struct text again_text)
 {
     struct table handed_table = {0}, again_table = {0};

@@ -135,6 +135,8 @@ static bool has_repeated(const struct basin_walk *walk, struct walker *w)
     return false;
 }
 
+/* Angles are reduced to one turn, then escape, nearness to known attractors and recurrence are
+ * tested, in this order. */
 int walker_look(const struct basin_walk *walk, struct walker *w)
 {
     for (int i = 0; i < walk->n; i++) {
@@ -378,6 +380,8 @@ static int learn_region(struct basin_walk *walk, struct walker *w)
     return fate == BASIN_MISSING ? BASIN_UNDECIDED : fate;
 }
 
+/* Tries a recurring state, then a closed orbit, then, after WALK_LOOKS checks, an irregular
+ * region. */
 int walk_learn(struct basin_walk *walk, struct walker *w)
 {
     if (w->found && (walk->forced || is_equilibrium(walk, w->y)))

@@ -133,6 +133,8 @@ static void choose_sizes(struct basin_walk *walk, const struct basins_request *r
                 walk->field.size[i] < SIZE_MIN_FRACTION * most ? most : walk->field.size[i];
 }
 
+/* Binds the scene, chooses sizes, and finds the time between checks and the number of steps from 8
+ * x 8 pilot starts. */
 bool walk_init(struct basin_walk *walk, const struct basins_request *request, bool lanes,
                struct error *error)
 {
@@ -382,6 +384,8 @@ static void count_basins(struct basins *basins, const struct basin_walk *walk)
             basins->fate[i] = (signed char)place[basins->fate[i]];
 }
 
+/* Learns attractors from pilot starts, follows all starts in threads, then decides those that came
+ * to unknown ones. */
 bool basins_find(const struct basins_request *request, struct basins *basins, struct error *error)
 {
     const int64_t start_time = clock_ns();

@@ -58,6 +58,9 @@ static int periods_of(const struct basin_walk *walk, const struct attractor *a)
     return periods;
 }
 
+/* Returns the number of drive periods after which the attractor repeats (1 for an orbit, 0 for an
+ * equilibrium), ATTRACTOR_IRREGULAR, or NAN if there is none. Sets *basin, unless NULL, to the
+ * attractor. */
 double attractor_of(const struct scene *scene, const struct cancel *cancel, struct basin *basin)
 {
     struct basin_walk walk;

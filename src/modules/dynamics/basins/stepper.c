@@ -28,6 +28,8 @@ struct stepper {
     double strobe;
 };
 
+/* Sets up lanes if the walk has a number of steps and the scene fits, else only the field for
+ * adaptive steps. */
 struct stepper *stepper_create(const struct basin_walk *walk)
 {
     struct stepper *s = calloc(1, sizeof *s);
@@ -66,6 +68,8 @@ void stepper_free(struct stepper *s)
     free(s);
 }
 
+/* Advances the motions to the next check, all in lanes, or one after another with adaptive
+ * steps. */
 void stepper_advance(struct stepper *s, struct walker *walker, int count)
 {
     const size_t bytes = (size_t)s->n * sizeof(double);
@@ -121,6 +125,7 @@ static bool step_differences(struct basin_walk *walk, double (*start)[FIELD_VARI
     return fine;
 }
 
+/* Doubles the number of steps until that changes the ends little enough. */
 int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count)
 {
     double difference[LANE_COUNT];

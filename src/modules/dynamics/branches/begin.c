@@ -73,6 +73,8 @@ bool branch_refuse_family(struct error *error)
                              "a drive a single one remains, which a branch can follow");
 }
 
+/* Begins on the branch that leaves r->leave, or corrects r->start at its parameter, or beside it if
+ * it is a special point. */
 bool branch_begin(const struct branch_request *r, int side, double psize,
                   struct solution_curve *path, struct curve_place *first, struct error *error)
 {

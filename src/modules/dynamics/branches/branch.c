@@ -53,6 +53,8 @@ static double longest_step_at(const struct branch_walk *w, const struct curve_pl
                 3 * longest * curve_unit(n, point->u) / sqrt(sum));
 }
 
+/* Halves the step until it converges, turns little and, for `resolves`, changes the sign of no test
+ * twice. */
 bool curve_next(const struct curve_problem *problem, const struct curve_place *previous,
                 const struct curve_place *current, double *step, double longest,
                 struct branch_walk *resolves, const struct cancel *cancel, struct curve_place *next)
@@ -415,6 +417,8 @@ void branch_reverse(struct branch *b)
     }
 }
 
+/* Walks from the start in one or both directions; the points of the first are reversed, so that all
+ * are in order. */
 bool branch_follow(const struct branch_request *r, struct branch *branch, struct error *error)
 {
     if (r->second)

@@ -56,6 +56,7 @@ static bool spread_displacement(struct solution_curve *path, const struct soluti
     return vector_normalise(all + 1, direction);
 }
 
+/* The tangent that is stored for an orbit moves its start; all segments have to move with it. */
 bool solutions_along(struct solution_curve *path, const struct branch_point *special, double *u,
                      double *direction)
 {
@@ -196,6 +197,8 @@ static bool leave_crossing(struct solution_curve *path, const struct scene *scen
     return refuse_crossing(path, error);
 }
 
+/* Each kind of special point has its own direction: eigenvector, doubled orbit, or second null
+ * vector. */
 bool solutions_leave(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct branch_point *point, int side,
                      const struct cancel *cancel, struct curve_place *first, struct error *error)

@@ -17,6 +17,7 @@ static const double nearest_part = 0.1;
 /* A bracket narrower than this, relative to the distance of both ends, is given up. */
 static const double bracket_min = 1e-7;
 
+/* Evaluates the tests at four places within the step and counts their changes of sign. */
 bool step_is_resolved(struct branch_walk *w, const struct curve_place *current,
                       const struct curve_place *next)
 {
@@ -160,6 +161,8 @@ static bool record_at(struct branch_walk *w, const struct found_special *f, int 
     return true;
 }
 
+/* Searches the minimum of each test by parabolas; if it has the other sign there, both zeros beside
+ * it are located. */
 bool walk_record_pairs(struct branch_walk *w, const struct curve_place *previous,
                        const struct curve_place *point, int index, const struct curve_place *next)
 {

@@ -9,6 +9,7 @@ static int unknown_of(const struct curve_ranges *ranges, const struct curve_prob
     return problem->n + 1 - ranges->count + axis;
 }
 
+/* Returns true if all parameters of a place are in their ranges. */
 bool ranges_contain(const struct curve_ranges *ranges, const struct curve_problem *problem,
                     const struct curve_place *place)
 {
@@ -20,6 +21,8 @@ bool ranges_contain(const struct curve_ranges *ranges, const struct curve_proble
     return inside;
 }
 
+/* Interpolates to the edge that the chord meets first, and corrects there with that parameter held
+ * fixed. */
 bool ranges_step_to_edge(const struct curve_ranges *ranges, const struct curve_problem *problem,
                          const struct curve_place *start, struct curve_place *edge_point)
 {

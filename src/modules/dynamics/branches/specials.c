@@ -21,6 +21,8 @@
 /* Folds of orbits whose parameters differ by less than this part come from rounding. */
 #define FOLD_ROUNDING_RELATIVE 1e-9
 
+/* Appends a point to the branch, with its solution and the part of the tangent that later branches
+ * begin with. */
 bool branch_append(struct branch *b, const struct solution_curve *path,
                    const struct curve_place *location, enum special special,
                    const struct solution *solution)
@@ -108,6 +110,8 @@ static bool turns_back(const struct branch_walk *w, const struct curve_place *pr
            ((a > 0) == (b > 0) || fmin(fabs(a), fabs(b)) <= rounding);
 }
 
+/* Locates the zero of a test, computes the solution there, and checks that it is a special point in
+ * the range. */
 bool special_locate(struct branch_walk *w, const struct curve_place *previous,
                     const struct curve_place *next, int test, struct found_special *f)
 {
@@ -122,6 +126,7 @@ bool special_locate(struct branch_walk *w, const struct curve_place *previous,
     return f->special != SPECIAL_NONE && is_in_range(w->request, &f->solution.param[0]);
 }
 
+/* Locates a special point for each test whose sign differs at two places. */
 int specials_by_signs(struct branch_walk *w, const struct curve_place *a,
                       const struct curve_place *b, struct found_special *found, int *count)
 {
@@ -227,6 +232,7 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
     return true;
 }
 
+/* Appends a located point with its accuracy, and the first Lyapunov coefficient of a Hopf point. */
 bool special_record(struct branch_walk *w, const struct found_special *f)
 {
     double accuracy = f->uncertainty / fmax(fabs(f->point.u[w->path->problem->n]), 1e-3);
@@ -241,6 +247,7 @@ bool special_record(struct branch_walk *w, const struct found_special *f)
     return true;
 }
 
+/* Locates all special points of a step, sorts them along the branch and appends them. */
 bool walk_record_specials(struct branch_walk *w, const struct curve_place *next,
                           const struct solution *seen)
 {
@@ -266,6 +273,8 @@ static bool is_signed(const struct branch_walk *w, const struct curve_place *poi
     return isfinite(point->test[test]) && point->test[test] != 0 && !is_test_zero(w, point, test);
 }
 
+/* Sets the signs of the tests, their largest values and the number of growing eigenvalues at the
+ * start of a walk. */
 void walk_start(struct branch_walk *w, const struct curve_place *point)
 {
     const int n = w->path->problem->n;
@@ -295,6 +304,8 @@ void walk_start(struct branch_walk *w, const struct curve_place *point)
     w->behinds = 0;
 }
 
+/* Replaces the stored places by the same place in new unknowns, and keeps the signs of the
+ * tests. */
 void walk_go_on(struct branch_walk *w, const struct curve_place *point)
 {
     specials_sure(w, point, walk_grows(w, &w->branch->point[w->branch->count - 1].solution));

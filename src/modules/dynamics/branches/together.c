@@ -35,6 +35,7 @@ static double unit_of(const struct solution *s)
     return s->kind == SOLUTION_EQUILIBRIUM ? most : 1;
 }
 
+/* Counts the eigenvalues that grow; -1 if one is too near to the border to tell. */
 int walk_grows(struct branch_walk *w, const struct solution *s)
 {
     int count = s->values > 0 ? 0 : -1;
@@ -178,6 +179,8 @@ static bool is_known(const struct branch_walk *w, const struct found_special *f)
     return false;
 }
 
+/* Compares the number of growing eigenvalues with what the located points explain, and searches the
+ * chord if they differ. */
 void specials_unseen(struct branch_walk *w, const struct curve_place *next,
                      const struct solution *solution, struct found_special *found, int *count)
 {

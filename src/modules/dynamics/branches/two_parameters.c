@@ -434,6 +434,7 @@ static void special_walk_follow(struct special_walk *w, struct curve_place point
     }
 }
 
+/* Follows the curve of special points in both directions from r->leave. */
 bool special_follow(const struct branch_request *r, struct branch *branch, struct error *error)
 {
     const int64_t start_time = clock_ns();

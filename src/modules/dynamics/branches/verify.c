@@ -338,6 +338,7 @@ static enum branch_verdict confirm_anywhere(const struct branch_request *r,
     return contradictions > 1 ? contradiction : VERDICT_OPEN;
 }
 
+/* Returns the text of a contradiction, or NULL for other verdicts. */
 const char *branch_contradiction(int verdict)
 {
     switch (verdict) {
@@ -394,6 +395,8 @@ static double side_distance_at_fold(const struct branch_request *r, const struct
     return side_distance;
 }
 
+/* Verifies all special points of a branch but its ends, each at distances that others do not
+ * disturb. */
 void branch_verify(const struct branch_request *r, struct branch *branch)
 {
     const int64_t start_time = clock_ns();

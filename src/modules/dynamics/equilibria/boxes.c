@@ -11,6 +11,7 @@ static const size_t first_room = 256; /* number of boxes for which memory is all
  * once could not shrink again, as a proof needs all sides to do. */
 static const double margin_share = 1e-6;
 
+/* Reuses the room of boxes that have been taken, or doubles the memory. */
 bool box_queue_add(struct box_queue *queue, const struct state_box *box)
 {
     if (queue->end == queue->room && queue->first > queue->room / 2) {
@@ -81,6 +82,7 @@ static double operator_rounding(int n, const double *inverse, const struct inter
     return sum;
 }
 
+/* C is an approximate inverse of the middle of the Jacobian; m is the middle of the box. */
 enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box,
                               const struct interval *jacobian, double *rounding)
 {

@@ -384,6 +384,7 @@ static bool run_search(struct equilibria_search *search)
     return list_doubtful(s) && classify_all(search);
 }
 
+/* Sets up the search, runs it, and frees all but the result. */
 bool equilibria_find(const struct equilibria_request *request, struct equilibria *found,
                      struct error *error)
 {

@@ -39,6 +39,7 @@ bool zeros_in_range(const struct zero_search *s, const double *y)
     return inside;
 }
 
+/* Applies Newton's method to the field, averaged over the drive's period. */
 void zeros_correct(const struct zero_search *s, double *y)
 {
     const int n = s->n;
@@ -86,6 +87,7 @@ static void move_to_upper_end(const struct zero_search *s, double *y, struct zer
     }
 }
 
+/* Grows the arrays of solutions and proofs together. */
 bool zeros_append(struct zero_search *s, const double *y, const struct zero_proof *proof)
 {
     struct equilibria *found = s->found;
@@ -180,6 +182,7 @@ static bool find_region(const struct zero_search *s, const struct interval *box,
     }
 }
 
+/* Finds a zero by Newton's method, then a region in which it is the only one. */
 bool zeros_prove_from(struct zero_search *s, const double *start)
 {
     double y[FIELD_VARIABLES];
@@ -191,6 +194,7 @@ bool zeros_prove_from(struct zero_search *s, const double *start)
     return !zeros_in_range(s, y) || !find_region(s, point, region) || keep_zero(s, region);
 }
 
+/* Drops undecided boxes inside of a region whose only zero is known. */
 void zeros_drop_decided(struct zero_search *s)
 {
     struct box_queue *left = &s->undecided;
@@ -337,6 +341,7 @@ static bool leave_queue_undecided(struct zero_search *s, struct box_queue *queue
     return true;
 }
 
+/* Takes waiting boxes first; singular ones are cut when none waits. */
 bool zeros_search(struct zero_search *s)
 {
     struct state_box box;

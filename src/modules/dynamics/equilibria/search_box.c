@@ -17,6 +17,8 @@ static void include(double range[2], double value)
     range[1] = fmax(range[1], value);
 }
 
+/* Extends -size to size of each variable by the scene's start and the rows of its run, then by a
+ * margin. */
 bool dynamics_search_box(const struct session *session, const struct system *system,
                          struct arena *arena, double box[][2], struct error *error)
 {

@@ -232,6 +232,7 @@ static struct axis side_of(const struct grid *g, int axis)
     return side;
 }
 
+/* Makes the figure from the stored table: letters, in a picture above a coloured map. */
 bool basins_figure(struct drawing *d, struct figure *figure)
 {
     struct grid g = {.table = found_table(d->session, TEXT("basins"))};

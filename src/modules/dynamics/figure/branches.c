@@ -124,6 +124,7 @@ static bool find_variable(struct drawing *d, int *variable)
                                       (int)name.len, name.data);
 }
 
+/* Makes the figure of all branches over the parameters of the last one. */
 bool branches_figure(struct drawing *d, struct figure *figure)
 {
     struct diagram g = {.dynamics = session_dynamics(d->session)};

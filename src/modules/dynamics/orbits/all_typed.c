@@ -182,6 +182,7 @@ static bool write_lines(struct writing *w)
     return fine;
 }
 
+/* Writes the lines of the scene and makes a typed model of them. */
 bool typed_written(struct typed_models *models, const struct scene *scene, struct scene *written,
                    struct error *error)
 {

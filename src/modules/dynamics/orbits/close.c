@@ -105,6 +105,8 @@ static void held_direction_set(const struct solution_curve *path, const double *
     vector_normalise(n, held);
 }
 
+/* Sets up the shooting problem, solves it, and checks that the result is an orbit and no slow
+ * spiral into an equilibrium. */
 bool orbit_close(struct orbit_search *s, const double *state, double period, int multiple,
                  const double *normal, struct found_orbit *orbit)
 {

@@ -67,6 +67,7 @@ static bool solve_bordered(const struct curve_problem *problem, const double *di
     return matrix_solve(n + 1, a, right);
 }
 
+/* Solves for the null vector of the Jacobian that points along `direction`. */
 bool curve_tangent(const struct curve_problem *problem, const double *direction, double *tangent)
 {
     const int n = problem->n;
@@ -155,6 +156,7 @@ static bool is_steep(const struct curve_problem *problem, const struct curve_pla
     return slope < CURVE_STEEP && slope > CURVE_LEVEL;
 }
 
+/* Predicts by tangent and curvature, then corrects in the plane across the tangent. */
 bool curve_step(const struct curve_problem *problem, const struct curve_place *previous,
                 const struct curve_place *current, double step, struct curve_place *next)
 {

@@ -39,6 +39,8 @@ static void find_slopes(const struct exponent *e, int i, int count, double *slop
     slope[i] = sum_of(e, i) / (next * next);
 }
 
+/* Skips leading zeros, sums exponents while the sum is not negative, and divides the rest by the
+ * next one. */
 double kaplan_yorke(const struct exponent *e, int count, int n, double scale, double *slope)
 {
     int j = count_zeros(e, count, scale);

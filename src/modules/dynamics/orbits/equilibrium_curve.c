@@ -81,6 +81,7 @@ static void equilibrium_curve_test(void *context, const double *u, const double 
     }
 }
 
+/* Scenes of one variable have no Hopf points, hence no third test. */
 void equilibrium_curve_init(struct equilibrium_curve *curve, struct vector_field *field,
                             double psize)
 {

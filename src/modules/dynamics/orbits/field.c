@@ -43,6 +43,7 @@ static void choose_sizes(const struct system *system, double *size)
         size[i] = system->scale[i] < unseen_size_max * most ? most : system->scale[i];
 }
 
+/* Copies and binds the scene, and chooses the sizes of its variables. */
 bool field_init(struct vector_field *field, const struct scene *scene, const int *param, int params,
                 struct error *error)
 {
@@ -85,6 +86,7 @@ static bool rebind(struct vector_field *field)
     return true;
 }
 
+/* Binds the scene again only if a value has changed. */
 bool field_set(struct vector_field *field, const double *value)
 {
     bool same = true;
@@ -128,6 +130,7 @@ static double parameter_sides(const struct vector_field *field, int j, struct sc
     return side[0].value[index] - side[1].value[index];
 }
 
+/* Computes a central difference of the rates between two values of the parameter. */
 bool field_by_parameter(struct vector_field *field, int j, const double *y, double *slope)
 {
     struct scene side[2];
@@ -150,6 +153,7 @@ double field_drive(const struct vector_field *field)
     return system_drive(&field->system);
 }
 
+/* Computes a central difference of the drive's period, once for each value of the parameters. */
 double field_drive_by(struct vector_field *field, int j)
 {
     if (!isnan(field->drive_by[j]))
@@ -245,6 +249,7 @@ static void take_slopes(const struct vector_field *field, const double *all,
     slopes->log_determinant = all[field->variation->whole.n - 1];
 }
 
+/* Integrates the scene, or its variational equations if derivatives are wanted. */
 bool field_flow(struct vector_field *field, double t, const double *start, double span, double *end,
                 struct flow_slopes *slopes)
 {
@@ -292,6 +297,7 @@ double field_distance(const struct vector_field *field, const double *x, const d
     return most;
 }
 
+/* Projects y on the line, and limits the result to its ends. */
 void field_nearest_on_line(const struct vector_field *field, const double *y, const double *a,
                            const double *b, double *nearest)
 {
@@ -390,6 +396,7 @@ static bool jumps_between(const struct vector_field *field, double t, const doub
     return jump > RATES_JUMP * size;
 }
 
+/* Follows the motion and examines each part of it in which a switch changes. */
 bool field_jumps(struct vector_field *field, double t, const double *start, double span)
 {
     const int n = field->n;

@@ -39,6 +39,7 @@ static const struct row rows[] = {
 };
 const struct catalog equilibrium_catalog = CATALOG("type", rows);
 
+/* Takes the middle of the bounds at the single state y. */
 void mean_field(const struct system *bounded, const double *y, double *rate, double *jacobian)
 {
     const int n = bounded->n;
@@ -53,6 +54,7 @@ void mean_field(const struct system *bounded, const double *y, double *rate, dou
         jacobian[i] = interval_middle(slopes[i]);
 }
 
+/* Only scenes with typed forces on top of built-in terms have to be rewritten. */
 bool scene_with_bounds(const struct scene *scene, const struct system *system,
                        struct typed_models **models, struct system *bounded, struct error *error)
 {
@@ -275,6 +277,8 @@ static void form_without_slopes(int n, struct solution *solution, struct equilib
     }
 }
 
+/* Takes the Jacobian as the middle of its bounds, and eigenvalues, type and eigenvectors from
+ * it. */
 bool equilibrium_form(const struct vector_field *field, const struct system *bounded,
                       bool conservative, struct solution *solution, struct equilibrium_form *form)
 {

@@ -328,6 +328,7 @@ static const char *reason_of(const struct exponents_search *s)
     return s->found->determined ? NULL : "the time is too short for 10 independent batches";
 }
 
+/* Lets the motion settle, averages over bins, compares with the stroboscopic map, and evaluates. */
 bool lyapunov_find(const struct lyapunov_request *request, struct lyapunov *found,
                    struct error *error)
 {

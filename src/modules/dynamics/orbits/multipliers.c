@@ -158,6 +158,8 @@ static void correct_smallest(int n, double log_determinant, struct eigenvalue *v
     }
 }
 
+/* Projects out the direction of motion, carries a basis around, and takes the eigenvalues of the
+ * result. */
 bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multipliers *m)
 {
     const int n = o->rate ? o->n - 1 : o->n;
@@ -208,6 +210,7 @@ static double bounded_difference(double x, double reference)
     return (x - reference) / fmax(1, fabs(x));
 }
 
+/* Returns the product of (multiplier + 1) over all, scaled to avoid overflow. */
 double multipliers_doubling(const struct multipliers *m)
 {
     double product = m->noise > SIGN_NOISE_MAX ? NAN : 1;
@@ -219,6 +222,7 @@ double multipliers_doubling(const struct multipliers *m)
     return product;
 }
 
+/* Returns the product of (product of two - 1) over all pairs, scaled to avoid overflow. */
 double multipliers_torus(const struct multipliers *m)
 {
     double product = m->noise > SIGN_NOISE_MAX ? NAN : 1;

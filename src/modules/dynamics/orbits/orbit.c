@@ -403,6 +403,8 @@ static int differentiable_parameter(const struct scene *scene)
     return 0;
 }
 
+/* Searches a response if there is a drive, else near the guessed period, else what the motion
+ * returns to. */
 bool orbit_find(const struct orbit_request *request, struct found_orbit *found, struct error *error)
 {
     const int64_t start_time = clock_ns();

@@ -158,6 +158,8 @@ static bool residual(void *context, const double *u, double *f, double *jacobian
     return true;
 }
 
+/* Passes the maps of the segments, and their rates unless there is a drive, to
+ * orbit_multipliers(). */
 bool orbit_curve_multipliers(const struct orbit_curve *c, struct multipliers *multipliers)
 {
     const struct orbit_maps maps = {.n = c->field->n,
@@ -168,6 +170,7 @@ bool orbit_curve_multipliers(const struct orbit_curve *c, struct multipliers *mu
     return orbit_multipliers(&maps, c->field->tol, multipliers);
 }
 
+/* Multiplies the maps of the segments. */
 void orbit_curve_map(const struct orbit_curve *c, double *map)
 {
     const int n = c->field->n;
@@ -260,6 +263,7 @@ static void slow_shares(const struct orbit_curve *c, double period, const double
     share[m] = 1;
 }
 
+/* Compares the movement of states with and without shares that follow the speed of the motion. */
 bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *direction)
 {
     const int n = c->field->n, m = c->segments;
@@ -290,6 +294,7 @@ bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *directi
     return true;
 }
 
+/* Stores the start and the direction of motion there as reference. */
 void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
 {
     double y[FIELD_VARIABLES];
@@ -310,6 +315,7 @@ double orbit_curve_upright(const struct orbit_curve *c)
     return c->forced ? 1 : cosine / vector_length(n, c->rate);
 }
 
+/* Follows the motion from segment to segment, and counts the turns of angles. */
 bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double period, double *u)
 {
     struct vector_field *field = c->field;
@@ -332,6 +338,7 @@ bool orbit_curve_unknowns(struct orbit_curve *c, const double *state, double per
     return true;
 }
 
+/* Finds when the segment begins, and follows the motion from its unknowns. */
 bool orbit_curve_follow(const struct orbit_curve *c, const double *u, int segment, double *t,
                         double *span, double *grid)
 {
@@ -408,6 +415,7 @@ static void cut_shares(struct orbit_curve *c, const bool *halved)
 
 #define DIFFERENCE_STEP_UNITS 1e-6 /* step of a difference, in the unknowns' units */
 
+/* Converts the direction by cutting a second orbit, displaced along it. */
 bool orbit_curve_cut(struct orbit_curve *c, double *u, double *direction)
 {
     double aside[CURVE_MAX], cut[2][CURVE_MAX];
@@ -443,6 +451,7 @@ static int segments_for(struct vector_field *field, const double *state, double 
     return wanted < most ? wanted : most;
 }
 
+/* Chooses the number of segments from the growth of differences, all of equal length at first. */
 bool orbit_curve_init(struct orbit_curve *c, struct vector_field *field, double psize,
                       const double *state, double period, int multiple)
 {

@@ -32,6 +32,8 @@ void solutions_end(struct solution_curve *path)
     path->work = NULL;
 }
 
+/* Sets up the field and the problem of that kind of solution, and converts the guess to
+ * unknowns. */
 bool solutions_begin(struct solution_curve *path, const struct scene *scene, int param,
                      double psize, const struct solution *guess, const struct cancel *cancel,
                      double *u, struct error *error)
@@ -180,6 +182,8 @@ static void set_state(const struct solution_curve *path, const struct curve_plac
         s->state[i] = s->top[i] = s->bottom[i] = point->u[i] * field->size[i];
 }
 
+/* Evaluates the residual for the Jacobian or the maps, from which eigenvalues or multipliers
+ * follow. */
 bool solutions_at(struct solution_curve *path, const struct curve_place *point, bool extremes,
                   struct solution *s)
 {
@@ -196,6 +200,7 @@ bool solutions_at(struct solution_curve *path, const struct curve_place *point, 
     return fill_orbit(path, point->u, s) && (!extremes || find_extremes(path, point->u, s));
 }
 
+/* Uses the maps that the last correction has left, except for equilibria, which cost little. */
 bool solutions_seen(struct solution_curve *path, const struct curve_place *point,
                     struct solution *s)
 {
@@ -243,6 +248,8 @@ static bool has_multiplier_minus_one(const struct solution *s)
     return false;
 }
 
+/* Checks that eigenvalues really are where the test says, since tests are 0 for neutral saddles,
+ * too. */
 enum special solutions_special(const struct solution_curve *path, int test,
                                const struct solution *solution)
 {

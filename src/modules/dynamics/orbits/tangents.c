@@ -58,6 +58,7 @@ int64_t tangents_evals(const struct tangents *t)
     return t->step.cost.evals;
 }
 
+/* Each vector loses its projections on the earlier ones twice, against rounding. */
 void tangents_orthonormalise(int n, int count, double *column, double *diagonal)
 {
     for (int j = 0; j < count; j++) {
@@ -185,6 +186,7 @@ enum tangents_end tangents_advance(struct tangents *t, double t_begin, double sp
     return TANGENTS_OK;
 }
 
+/* Angles that have gone beyond a full turn would lose digits. */
 void tangents_unwind(struct tangents *t)
 {
     for (int i = 0; i < t->n; i++) {

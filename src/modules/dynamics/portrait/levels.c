@@ -186,6 +186,7 @@ static bool level_segments_join(struct marching *m, struct polyline *line)
     return true;
 }
 
+/* Examines a grid of cells, and joins the segments that are found. */
 bool level_lines(const struct level_request *request, struct polyline *line)
 {
     struct marching m = {.request = request};

@@ -13,6 +13,7 @@
 
 #define ENERGY_LEVELS 5 /* number of lines of equal energy */
 
+/* Doubles the memory of both coordinates when it is full. */
 bool polyline_put(struct polyline *line, double x, double y)
 {
     if (line->n == line->capacity) {
@@ -155,6 +156,7 @@ static bool portrait_draw(struct portrait_work *work)
     return fine;
 }
 
+/* Binds the scene, with bounds if possible, finds equilibria, and draws all lines. */
 bool portrait_make(const struct portrait_request *request, struct portrait *portrait,
                    struct error *error)
 {

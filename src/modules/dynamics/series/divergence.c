@@ -92,6 +92,8 @@ static void put_means(const struct delay_space *s, const size_t *count, struct d
     d->apart = fmin(mean_log_distance(s), d->last);
 }
 
+/* Follows about NEIGHBOUR_PAIRS vectors and the nearest neighbour of each, sorted into parts by
+ * time. */
 bool divergence_find(const struct delay_space *s, size_t samples, struct arena *arena,
                      struct divergence *d)
 {

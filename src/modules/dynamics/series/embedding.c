@@ -124,6 +124,7 @@ static double autocovariance(const double *y, size_t n, double mean, size_t lag)
     return sum / (double)(n - lag);
 }
 
+/* Increases the lag until the information rises again or the correlation has fallen to 1/e. */
 int choose_delay(const double *y, size_t n, const struct cancel *cancel, struct arena *arena)
 {
     const size_t looked = n < LOOKED_AT ? n : LOOKED_AT;
@@ -180,6 +181,7 @@ static double false_neighbours(const struct delay_space *s, double sigma)
     return asked > 0 ? (double)wrong / (double)asked : 0;
 }
 
+/* Adds delayed values until less than FALSE_SHARE of the nearest neighbours are false. */
 int choose_dimensions(struct delay_space *s, size_t n, double sigma, double *false_share)
 {
     for (s->dimensions = 1; s->dimensions < SPACE_DIMENSIONS - 1; s->dimensions++) {

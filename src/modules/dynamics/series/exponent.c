@@ -238,6 +238,8 @@ static bool find_exponent(const struct delay_space *space, const struct samples 
     return true;
 }
 
+/* Checks the series, embeds it, compares predictions with a linear function, then measures exponent
+ * and dimension. */
 bool series_exponent(const struct series *series, struct arena *arena,
                      struct series_exponent *found, struct error *error)
 {

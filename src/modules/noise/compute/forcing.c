@@ -120,6 +120,7 @@ static bool bind_strength(const struct noise_request *request, struct noise_forc
     return true;
 }
 
+/* Noise acts on velocities in scenes of second order, on all variables in others. */
 bool noise_forcing_bind(const struct scene *scene, const struct noise_request *request,
                         struct noise_forcing *forcing, struct error *error)
 {

@@ -206,6 +206,7 @@ static void summarise_orders(const struct orders_work *work, struct method_order
     orders->weak = find_order(orders->level, orders->levels, false);
 }
 
+/* Follows all paths with steps of all sizes, over threads, and summarises them. */
 bool noise_orders_measure(const struct orders_request *request, const struct noise_method *method,
                           struct parallel parallel, struct method_orders *orders,
                           struct error *error)

@@ -41,6 +41,7 @@ static bool check_growth(const struct noise_forcing *forcing, const struct noise
     return false;
 }
 
+/* Rounds the number of steps up, and chooses the stride between recorded rows. */
 bool noise_path_grid_make(const struct noise_forcing *forcing, const struct noise_method *method,
                           double span, double dt, size_t intervals, struct path_grid *grid,
                           struct error *error)
@@ -77,6 +78,7 @@ double noise_path_time(const struct path_grid *grid, size_t row)
     return grid->t0 + (double)(step < grid->steps ? step : grid->steps) * grid->h;
 }
 
+/* Evaluates an observable, a variable of the state, or a quantity that a typed scene observes. */
 double noise_path_value(const struct noise_forcing *forcing, const struct path_column *column,
                         double t, const double *y)
 {
@@ -92,6 +94,7 @@ double noise_path_value(const struct noise_forcing *forcing, const struct path_c
 
 /* ---- one path ---- */
 
+/* Looks at Ctrl-C from time to time, and records every stride-th state and the last one. */
 int64_t noise_path_follow(const struct path_request *request, uint64_t path, double *y,
                           void (*row)(void *context, size_t row, double t, const double *y),
                           void *context)
@@ -156,6 +159,7 @@ static bool follow_halves(const struct path_request *request, uint64_t path, dou
     return true;
 }
 
+/* Accumulates the squares of the distances over the paths. */
 bool noise_path_half_step(const struct path_request *request, const double *end, int64_t paths,
                           double *distance)
 {
@@ -218,6 +222,7 @@ double noise_ensemble_bytes(const struct path_request *request, int64_t paths)
            (double)sizeof(double);
 }
 
+/* Allocates the ensemble, follows its paths over threads, and counts those that diverge. */
 bool noise_ensemble_follow(const struct path_request *request, const struct path_column *column,
                            int64_t paths, struct parallel parallel, struct ensemble *ensemble,
                            struct error *error)
@@ -250,6 +255,7 @@ void noise_ensemble_free(struct ensemble *ensemble)
 
 /* ---- statistics ---- */
 
+/* Returns the mean and its standard error, without overflow and exact for constant values. */
 struct measured noise_mean_of(const double *value, size_t n)
 {
     /* Sums deviations from the first value, so that constant values have no spread. */
@@ -273,6 +279,7 @@ static double ascending_quantile(const double *ascending, size_t n, double share
     return n ? gsl_stats_quantile_from_sorted_data(ascending, 1, n, share) : NAN;
 }
 
+/* Collects the values of the row that are not NAN, then their mean and quantiles. */
 struct ensemble_row noise_ensemble_statistics(const struct ensemble *ensemble,
                                               const struct path_grid *grid, size_t row,
                                               double *scratch)

@@ -5,6 +5,7 @@
 #include <hooke/base/elementary.h>
 #include <hooke/base/numeric.h>
 
+/* Applies ten rounds of multiplication and exchange to the counter. */
 void noise_philox_block(const uint32_t counter[4], const uint32_t key[2], uint32_t block[4])
 {
     /* Multipliers and Weyl constants of the paper's table 2. */
@@ -34,6 +35,7 @@ static double open_fraction(uint32_t high, uint32_t low)
     return ((double)part + 0.5) * 0x1p-52;
 }
 
+/* Makes two normal numbers of each block of random bits (Box, Muller). */
 void noise_normal_numbers(uint64_t seed, uint64_t path, uint64_t step, int count, double *normal)
 {
     const uint32_t key[2] = {(uint32_t)seed, (uint32_t)(seed >> 32)};

@@ -128,6 +128,7 @@ const struct noise_method *noise_method_natural(const struct noise_forcing *forc
     return &methods[0];
 }
 
+/* Computes the decay and the noise of the exact damping over a step, for BAOAB. */
 void noise_stepper_begin(struct noise_stepper *stepper, const struct noise_forcing *forcing,
                          const struct noise_method *method, double h)
 {
@@ -141,6 +142,7 @@ void noise_stepper_begin(struct noise_stepper *stepper, const struct noise_forci
     }
 }
 
+/* Applies the step and checks that all variables are finite and within bounds. */
 bool noise_stepper_step(struct noise_stepper *stepper, double t, double *y, const double *noise)
 {
     const struct system *system = &stepper->forcing->system;
@@ -173,6 +175,7 @@ static double log_spectral_radius(int n, double *m, double *square)
     return sum;
 }
 
+/* Applies a step without noise to 0 and to each unit vector. */
 void noise_step_matrix(struct noise_stepper *stepper, double *m)
 {
     const struct system *system = &stepper->forcing->system;
@@ -190,6 +193,7 @@ void noise_step_matrix(struct noise_stepper *stepper, double *m)
     }
 }
 
+/* Applies a step to 0 with and without a unit increment of each noise. */
 void noise_step_spread(struct noise_stepper *stepper, double *spread)
 {
     const struct system *system = &stepper->forcing->system;
@@ -210,6 +214,7 @@ void noise_step_spread(struct noise_stepper *stepper, double *spread)
     }
 }
 
+/* Compares the spectral radius of the step's matrix with that of the exact flow over h. */
 double noise_stepper_excess_growth(const struct noise_forcing *forcing,
                                    const struct noise_method *method, double h)
 {
@@ -233,6 +238,7 @@ double noise_stepper_excess_growth(const struct noise_forcing *forcing,
     return stepped - fmax(exact, 0);
 }
 
+/* Bisects the step between 0 and h. */
 double noise_stepper_stable_limit(const struct noise_forcing *forcing,
                                   const struct noise_method *method, double h, double rate_max)
 {

@@ -14,6 +14,7 @@
 /* Time that a picture may take [s], 1000 times that of the largest known. */
 #define PICTURE_SECONDS_MAX 60
 
+/* Looks up all functions of CAIRO_FUNCTIONS; an old library may lack some. */
 bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
 {
     static const struct library_symbol functions[] = {

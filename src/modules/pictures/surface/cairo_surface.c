@@ -127,6 +127,7 @@ static void put_pixels(const struct cairo_api *api, cairo_surface_t *surface, in
                    (struct text){(const char *)pixel + stride * (size_t)y, 4 * (size_t)width});
 }
 
+/* Draws on white paper, then writes PNG or raw pixels; a PDF is written while it is drawn. */
 bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enum picture kind,
                    double width, double height, struct buffer *output, struct error *error)
 {
