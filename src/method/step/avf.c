@@ -42,23 +42,24 @@ static void add_node(struct step *step, double t, double h, double c, double w, 
         sum[i] += w * slope[i];
 }
 
-/* Computes the residual h (mean of f) - z, for a newton_rest_function. */
-static void mean_rest(const struct newton *equations, struct step *step, int n, double t, double h,
-                      const double *y, const double *z, double *scratch, double *rest)
+/* Computes the residual h (mean of f) - z, for a newton_residual_function. */
+static void mean_residual(const struct newton *equations, struct step *step, int n, double t,
+                          double h, const double *y, const double *z, double *scratch,
+                          double *residual)
 {
     (void)equations;
     for (int i = 0; i < n; i++)
-        rest[i] = -0.0;
+        residual[i] = -0.0;
     if (step->system->linear) {
-        add_node(step, t, h, 1. / 2, 1, y, z, scratch, rest);
+        add_node(step, t, h, 1. / 2, 1, y, z, scratch, residual);
     } else {
         for (int k = 0; k < GAUSS_NODES / 2; k++) {
-            add_node(step, t, h, node[k], weight[k], y, z, scratch, rest);
-            add_node(step, t, h, 1 - node[k], weight[k], y, z, scratch, rest);
+            add_node(step, t, h, node[k], weight[k], y, z, scratch, residual);
+            add_node(step, t, h, 1 - node[k], weight[k], y, z, scratch, residual);
         }
     }
     for (int i = 0; i < n; i++)
-        rest[i] = h * rest[i] - z[i];
+        residual[i] = h * residual[i] - z[i];
 }
 
 /* The work array holds increments [n], then the solver's work. */
@@ -72,7 +73,7 @@ size_t avf_work(const struct method *method, int n)
 enum step_status avf_step(const struct method *method, struct step *step)
 {
     (void)method;
-    const struct newton mean = newton_of(&middle, mean_rest, step->system);
+    const struct newton mean = newton_of(&middle, mean_residual, step->system);
     int n = step->system->n;
     double *z = step->work, *own = z + n;
     if (!step->warm)

@@ -24,16 +24,16 @@ static double remaining_fraction(double tol)
 
 const struct implicit_tableau newton_euler = NEWTON_EULER;
 
-struct newton newton_of(const struct implicit_tableau *tableau, newton_rest_function *rest,
+struct newton newton_of(const struct implicit_tableau *tableau, newton_residual_function *residual,
                         const struct system *system)
 {
-    return (struct newton){tableau, rest, step_slope, step_jacobian, system};
+    return (struct newton){tableau, residual, step_slope, step_jacobian, system};
 }
 
 void newton_stages(const struct newton *equations, struct step *step, int n, double t, double h,
-                   const double *y, const double *z, double *slope, double *rest)
+                   const double *y, const double *z, double *slope, double *residual)
 {
-    newton_rest(equations, step, n, t, h, y, z, slope, rest);
+    newton_residual(equations, step, n, t, h, y, z, slope, residual);
 }
 
 size_t newton_capacity(int stages, int n)
@@ -77,20 +77,20 @@ static enum step_status iterate_to_tolerance(const struct newton *equations, str
     /* the old rate grows with age, so that factors are not kept for ever without a test */
     *workspace->rate = sqrt(*workspace->rate);
     for (int iteration = 0; iteration < ADAPTIVE_ITERATIONS; iteration++) {
-        equations->rest(equations, step, n, t, h, y, z, workspace->slope, workspace->rest);
-        newton_increment(tableau, step, n, workspace, workspace->rest);
-        double size = newton_size(stages, n, weight, workspace->rest);
+        equations->residual(equations, step, n, t, h, y, z, workspace->slope, workspace->residual);
+        newton_increment(tableau, step, n, workspace, workspace->residual);
+        double size = newton_size(stages, n, weight, workspace->residual);
         if (!isfinite(size))
             return STEP_NONFINITE;
         for (int i = 0; i < stages * n; i++)
-            z[i] += workspace->rest[i];
+            z[i] += workspace->residual[i];
         if (last > 0) {
             double rate = *workspace->rate = size / last;
             if (rate >= 1)
                 return STEP_NO_SOLUTION;
             left = rate / (1 - rate);
             double end = left * size; /* error that the last iteration will leave */
-            for (int rest = iteration + 1; rest < ADAPTIVE_ITERATIONS; rest++)
+            for (int later = iteration + 1; later < ADAPTIVE_ITERATIONS; later++)
                 end *= rate;
             if (end > enough)
                 return STEP_NO_SOLUTION;
@@ -128,12 +128,12 @@ static bool iterate_contracting(const struct newton *equations, struct step *ste
         if (!newton_renew(equations, step, n, t, h, y, z, workspace) ||
             !newton_positive(tableau, n, workspace))
             return false;
-        equations->rest(equations, step, n, t, h, y, z, workspace->slope, workspace->rest);
-        newton_increment(tableau, step, n, workspace, workspace->rest);
+        equations->residual(equations, step, n, t, h, y, z, workspace->slope, workspace->residual);
+        newton_increment(tableau, step, n, workspace, workspace->residual);
         for (int i = 0; i < stages * n; i++)
-            z[i] += workspace->rest[i];
+            z[i] += workspace->residual[i];
         increments_weigh(stages, n, y, z, weight, now);
-        const double size = newton_size(stages, n, now, workspace->rest);
+        const double size = newton_size(stages, n, now, workspace->residual);
         if (!isfinite(size) || (size > CONTRACTION_MAX * last && size > INCREMENT_STALL_RELATIVE))
             return false;
         if (size <= DBL_EPSILON / 2 || (size >= last && size <= INCREMENT_STALL_RELATIVE))

@@ -6,20 +6,20 @@
 #include "method/step/step.h"
 
 /*
- * The equations for the increments z [stages][n] of all stages over y. The Jacobian of `rest` is
- * that of h sum_j a_ij f(t + c_j h, y + z_j) - z_i, as far as convergence needs it.
+ * The equations for the increments z [stages][n] of all stages over y. The Jacobian of `residual`
+ * is that of h sum_j a_ij f(t + c_j h, y + z_j) - z_i, as far as convergence needs it.
  */
 struct newton;
 /* Computes the Jacobian jac [n][n] at t and y; forces is data of the function. */
 typedef void jacobian_function(const void *forces, double t, const double *y, double *jac);
-/* Computes the residual rest [stages][n] of the equations at z; scratch has [stages][n]. */
-typedef void newton_rest_function(const struct newton *equations, struct step *step, int n,
-                                  double t, double h, const double *y, const double *z,
-                                  double *scratch, double *rest);
+/* Computes `residual` [stages][n] of the equations at z; scratch has [stages][n]. */
+typedef void newton_residual_function(const struct newton *equations, struct step *step, int n,
+                                      double t, double h, const double *y, const double *z,
+                                      double *scratch, double *residual);
 
 struct newton {
     const struct implicit_tableau *tableau;
-    newton_rest_function *rest;
+    newton_residual_function *residual; /* newton_stages() or the method's own */
     slope_function *slope;
     jacobian_function *jacobian;
     const void *forces; /* data of the last two functions */
@@ -27,10 +27,10 @@ struct newton {
 
 extern const struct implicit_tableau newton_euler; /* one stage: z = h f(t, y + z) */
 
-/* Returns the equations for a system. rest is newton_stages, unless the method has its own. */
-struct newton newton_of(const struct implicit_tableau *tableau, newton_rest_function *rest,
+/* Returns the equations for a system; see struct newton. */
+struct newton newton_of(const struct implicit_tableau *tableau, newton_residual_function *residual,
                         const struct system *system);
-newton_rest_function newton_stages;
+newton_residual_function newton_stages;
 
 /*
  * Solves the equations. z is a guess, which the solution replaces (undefined unless STEP_OK). The

@@ -39,19 +39,19 @@ static const double newton_one[] = {1}, newton_now[] = {0};
 
 /* Pointers into the memory of newton_capacity() doubles. */
 struct workspace {
-    double *h;                   /* step of the factors, 0 if there are none */
-    double *rate;                /* rate at which increments shrank in the last solution */
-    double *slope, *rest, *move; /* [stages][n] slopes, residual, increment */
-    double *jacobian;            /* [n][n] */
-    double *real, *complex;      /* factors for the real eigenvalue and for the complex pair */
+    double *h;                       /* step of the factors, 0 if there are none */
+    double *rate;                    /* rate at which increments shrank in the last solution */
+    double *slope, *residual, *move; /* [stages][n] slopes, residual, increment */
+    double *jacobian;                /* [n][n] */
+    double *real, *complex;          /* factors for the real eigenvalue and for the complex pair */
 };
 
 /* Divides the memory for `stages` stages of n variables. */
 INLINE struct workspace workspace_of(int stages, int n, double *work)
 {
     struct workspace workspace = {.h = work, .rate = work + 1, .slope = work + 2};
-    workspace.rest = workspace.slope + stages * n;
-    workspace.move = workspace.rest + stages * n;
+    workspace.residual = workspace.slope + stages * n;
+    workspace.move = workspace.residual + stages * n;
     workspace.jacobian = workspace.move + stages * n;
     workspace.real = workspace.jacobian + n * n;
     workspace.complex = workspace.real + LU_ROOM(n);
@@ -134,9 +134,10 @@ INLINE void newton_increment(const struct implicit_tableau *tableau, struct step
     step->cost.solves++;
 }
 
-/* Computes the residual rest of the increments z; slope and rest have [stages][n]. */
-INLINE void newton_rest(const struct newton *equations, struct step *step, int n, double t,
-                        double h, const double *y, const double *z, double *slope, double *rest)
+/* Computes `residual` of the increments z; slope and residual have [stages][n]. */
+INLINE void newton_residual(const struct newton *equations, struct step *step, int n, double t,
+                            double h, const double *y, const double *z, double *slope,
+                            double *residual)
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
@@ -147,10 +148,10 @@ INLINE void newton_rest(const struct newton *equations, struct step *step, int n
         equations->slope(equations->forces, t + tableau->c[s] * h, sum, slope + s * n);
     }
     step->cost.evals += stages;
-    memcpy(rest, slope, (size_t)(stages * n) * sizeof *rest);
-    newton_mix(stages, n, tableau->a, rest);
+    memcpy(residual, slope, (size_t)(stages * n) * sizeof *residual);
+    newton_mix(stages, n, tableau->a, residual);
     for (int i = 0; i < stages * n; i++)
-        rest[i] = h * rest[i] - z[i];
+        residual[i] = h * residual[i] - z[i];
 }
 
 /* Returns the largest component of x [stages][n] times its weight; NaN if one is NaN. */
@@ -211,21 +212,21 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
 {
     const struct implicit_tableau *tableau = equations->tableau;
     const int stages = tableau->stages;
-    double last = HUGE_VAL, previous_rest = HUGE_VAL;
+    double last = HUGE_VAL, previous_residual = HUGE_VAL;
     *is_near_root = newton_positive(tableau, n, workspace);
     for (int iteration = 0, halvings = 0; iteration < ITERATIONS;) {
-        equations->rest(equations, step, n, t, h, y, z, workspace->slope, workspace->rest);
-        double rest = newton_size(stages, n, weight, workspace->rest);
-        if (iteration == 0 && !isfinite(rest))
+        equations->residual(equations, step, n, t, h, y, z, workspace->slope, workspace->residual);
+        double residual = newton_size(stages, n, weight, workspace->residual);
+        if (iteration == 0 && !isfinite(residual))
             return STEP_NONFINITE;
-        if (!(rest < previous_rest) && last > INCREMENT_STALL_RELATIVE) {
+        if (!(residual < previous_residual) && last > INCREMENT_STALL_RELATIVE) {
             if (++halvings > HALVINGS)
                 return STEP_NO_SOLUTION;
             *is_near_root = false;
             newton_halve(stages * n, z, workspace->move);
             continue;
         }
-        memcpy(workspace->move, workspace->rest, (size_t)(stages * n) * sizeof *z);
+        memcpy(workspace->move, workspace->residual, (size_t)(stages * n) * sizeof *z);
         newton_increment(tableau, step, n, workspace, workspace->move);
         double size = newton_size(stages, n, weight, workspace->move);
         for (int i = 0; i < stages * n; i++)
@@ -241,7 +242,7 @@ INLINE enum step_status newton_iterate(const struct newton *equations, struct st
             !newton_renew(equations, step, n, t, h, y, z, workspace))
             return STEP_NO_SOLUTION;
         last = size;
-        previous_rest = rest;
+        previous_residual = residual;
         halvings = 0;
         iteration++;
     }
@@ -331,7 +332,7 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
                                        const double *y, double *x, double weight,
                                        bool *is_near_root)
 {
-    double inverse, last = HUGE_VAL, previous_rest = HUGE_VAL, move = 0, sum[2] = {y[0], y[1]},
+    double inverse, last = HUGE_VAL, previous_residual = HUGE_VAL, move = 0, sum[2] = {y[0], y[1]},
                     dydt[2];
     bool positive;
     if (!motion_factor(slopes, forces, step, t, h, sum, &inverse, &positive))
@@ -342,10 +343,10 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
         sum[0] = y[0] + h * sum[1];
         slope(forces, t, sum, dydt);
         step->cost.evals++;
-        const double rest = h * dydt[1] - *x, size_of_rest = fabs(rest) * weight;
-        if (iteration == 0 && !isfinite(rest))
+        const double residual = h * dydt[1] - *x, residual_size = fabs(residual) * weight;
+        if (iteration == 0 && !isfinite(residual))
             return STEP_NONFINITE;
-        if (!(size_of_rest < previous_rest) && last > INCREMENT_STALL_RELATIVE) {
+        if (!(residual_size < previous_residual) && last > INCREMENT_STALL_RELATIVE) {
             if (++halvings > HALVINGS)
                 return STEP_NO_SOLUTION;
             *is_near_root = false;
@@ -353,7 +354,7 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
             *x -= move;
             continue;
         }
-        move = rest * inverse;
+        move = residual * inverse;
         step->cost.solves++;
         const double size = fabs(move) * weight;
         *x += move;
@@ -371,7 +372,7 @@ INLINE enum step_status motion_iterate(slope_function *slope, jacobian_function 
                 return STEP_NO_SOLUTION;
         }
         last = size;
-        previous_rest = size_of_rest;
+        previous_residual = residual_size;
         halvings = 0;
         iteration++;
     }

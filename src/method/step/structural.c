@@ -89,13 +89,14 @@ static void structural_midpoint(const struct increment *increment, const double 
 }
 
 /*
- * Computes the residual of the equations, for a newton_rest_function:
+ * Computes the residual of the equations, for a newton_residual_function:
  *
  * z_y = h (v + beta/gamma z_v) + h^2 (1/2 - beta/gamma) a,  z_v = h (a + gamma (F - a) / (1 -
  * alpha_m))
  */
-static void increment_rest(const struct newton *equations, struct step *step, int n, double t,
-                           double h, const double *y, const double *z, double *force, double *rest)
+static void increment_residual(const struct newton *equations, struct step *step, int n, double t,
+                               double h, const double *y, const double *z, double *force,
+                               double *residual)
 {
     const struct increment *all = equations->forces;
     const struct structural *s = all->structural;
@@ -108,8 +109,8 @@ static void increment_rest(const struct newton *equations, struct step *step, in
     system_acceleration(all->system, t + equations->tableau->c[0] * h, y_mid, force);
     step->cost.evals++;
     for (int i = 0; i < d; i++) {
-        rest[i] = h * (y[d + i] + ratio * z[d + i] + h * (1. / 2 - ratio) * a[i]) - z[i];
-        rest[d + i] = h * (a[i] + s->gamma * (force[i] - a[i]) / (1 - s->alpha_m)) - z[d + i];
+        residual[i] = h * (y[d + i] + ratio * z[d + i] + h * (1. / 2 - ratio) * a[i]) - z[i];
+        residual[d + i] = h * (a[i] + s->gamma * (force[i] - a[i]) / (1 - s->alpha_m)) - z[d + i];
     }
 }
 
@@ -142,7 +143,7 @@ static bool structural_follow(const struct structural *s, struct step *step, dou
     tableau.c = &fraction;
     const struct increment all = {.structural = s, .system = step->system, .y = step->y, .a = a};
     const struct newton equations = {.tableau = &tableau,
-                                     .rest = increment_rest,
+                                     .residual = increment_residual,
                                      .jacobian = increment_jacobian,
                                      .forces = &all};
     double weight[LIMIT_VARIABLES] = {0};
