@@ -54,6 +54,7 @@ struct text text_ending(struct text path)
     return dot > 1 ? text_after(name, dot) : TEXT("");
 }
 
+/* Returns the text without blanks at both ends. */
 struct text text_trim(struct text a)
 {
     while (a.len > 0 && is_blank(a.data[a.len - 1]))

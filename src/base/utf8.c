@@ -39,6 +39,7 @@ uint32_t text_codepoint(struct text text, size_t *used)
     return codepoint;
 }
 
+/* Returns the number of columns that the text takes. */
 int text_width(struct text text)
 {
     int width = 0;

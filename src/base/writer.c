@@ -18,6 +18,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* Sets the error "cannot write PATH: why". Returns false. */
 bool writer_refuse(const struct writer *writer, struct error *error, const char *why)
 {
     char name[SAFE_NAME_SIZE];
@@ -25,6 +26,7 @@ bool writer_refuse(const struct writer *writer, struct error *error, const char 
                      why);
 }
 
+/* Sets the error that the path exists. Returns false. */
 bool writer_refuse_existing(const struct writer *writer, struct error *error)
 {
     char name[SAFE_NAME_SIZE];

@@ -141,6 +141,7 @@ void *session_part(const struct session *session, const struct module *module)
     return state;
 }
 
+/* Frees what modules keep in the session. */
 void session_free_parts(struct session *session)
 {
     struct session_parts *parts = session->parts;

@@ -318,6 +318,7 @@ struct expr_scope names_scope(const struct names *names)
                                scope_offer, scope_moving, scope_quantity};
 }
 
+/* Returns the index of the parameter or derived quantity that a slot means, or -1. */
 int names_of_scene(int slot, bool *derived)
 {
     const int kind = slot >> SLOT_KIND;

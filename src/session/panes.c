@@ -20,6 +20,7 @@ static const struct layout_row layouts[] = {
 };
 const struct catalog layout_catalog = CATALOG("layout", layouts);
 
+/* Returns the layout, or the largest smaller one that the screen has room for. */
 enum layout layout_drawn(enum layout layout, int width, int height)
 {
     while (width < layouts[layout].width || height < layouts[layout].height)

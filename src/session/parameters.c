@@ -88,6 +88,7 @@ int model_variable(const struct model *model, struct text name)
     return model_state(model, name);
 }
 
+/* Returns the index of an observation of a typed model, or -1. */
 int model_observation(const struct model *model, struct text name)
 {
     for (int i = 0; i < model_observed(model); i++)
@@ -157,6 +158,7 @@ bool hint_other_model(const struct session *session, struct text name, struct er
     return other != NULL;
 }
 
+/* Returns the user's scene of that name, or NULL. */
 const struct preset *own_scene(const struct setup *setup, struct text name)
 {
     for (int i = 0; i < setup->owns; i++)

@@ -82,6 +82,7 @@ void session_changed(struct session *session)
     session->view.paging = session->setup.settings.view == VIEW_PAGE;
 }
 
+/* Restores the method of a new session, as not chosen by the user. */
 void session_unset_method(struct setup *setup)
 {
     setup->method = method_find("euler");
@@ -271,6 +272,7 @@ void session_trace(struct session *session, const struct scene *previous, size_t
 
 /* ---- what follows from the settings and the front end ---- */
 
+/* Returns the rules for writing files that the options of the program ask for. */
 struct write_policy session_policy(const struct session *session, bool force)
 {
     return (struct write_policy){.force = force,
@@ -278,6 +280,8 @@ struct write_policy session_policy(const struct session *session, bool force)
                                  .refuse = session->options.checking != NULL};
 }
 
+/* Returns the first step [s] of adaptive methods: the setting dt if it was set, else the scene's
+ * own. */
 double session_first_step(const struct session *session)
 {
     const struct settings *settings = &session->setup.settings;

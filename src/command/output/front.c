@@ -13,6 +13,7 @@ static bool change_front(const struct session *session, enum front_change change
            error_set(error, ERROR_COMMAND, "panes and prompt need a terminal");
 }
 
+/* Asks the front end to show panes. */
 HANDLER(panes)
 {
     UNUSED(args);
@@ -20,6 +21,7 @@ HANDLER(panes)
     return change_front(session, FRONT_PANES, error);
 }
 
+/* Asks the front end for the plain prompt. */
 HANDLER(plain)
 {
     UNUSED(args);
@@ -27,6 +29,7 @@ HANDLER(plain)
     return change_front(session, FRONT_PLAIN, error);
 }
 
+/* Asks the front end to draw the screen again. */
 HANDLER(redraw)
 {
     UNUSED(args);

@@ -32,7 +32,7 @@ static bool preset_sets(const struct preset *preset, const char *name)
     return false;
 }
 
-/* Describes the scene with the parameters that matter: m, k, gamma, y0, v0 and those that were
+/* Describes the scene with the parameters that matter: m, k, gamma, y0, v0 and others that are
  * set. */
 static void reply_scene(const struct session *session, struct reply *reply)
 {
@@ -170,8 +170,7 @@ bool read_value(struct parser *parser, const char *what, enum quantity quantity,
     return parse_value(parser, what, quantity, item, error) && refuse_rest(parser, item, error);
 }
 
-/* Replies with the value that was set, unless an event sets it, which may happen often. Frees the
- * text. */
+/* Replies with the value that was set, unless an event sets it (often). Frees the text. */
 static void reply_set(const struct session *session, struct buffer *text, struct reply *reply)
 {
     if (!session->execution.passing)
@@ -199,8 +198,8 @@ static bool bind_param(struct session *session, int param, const struct scene *p
     return false;
 }
 
-/* Notes a value that was probably meant otherwise: a number without a unit that is far from the
- * usual value, or the frequency of a drive that is off. */
+/* Notes a value that was probably meant otherwise: far from the usual, or of a drive that is
+ * off. */
 static void note_slip(const struct session *session, int param, const struct item *item,
                       struct reply *reply)
 {
@@ -362,8 +361,7 @@ static bool set_let(struct session *session, struct text name, const struct item
     return true;
 }
 
-/* Finds what NAME is: a variable of the run, parameter, derived quantity, setting or variable of
- * let. */
+/* Sets NAME: variable of the run, parameter, derived quantity, setting or variable of let. */
 HANDLER(set)
 {
     const struct text name = argument_value(args, "NAME")->item->text;
@@ -420,6 +418,7 @@ static const struct row unset_rows[] = {
 };
 const struct catalog unset_catalog = CATALOG("choice", unset_rows);
 
+/* Gives NAME its default value, or removes a variable of let. */
 HANDLER(unset)
 {
     const struct text name = argument_value(args, "NAME")->item->text;
@@ -462,6 +461,7 @@ HANDLER(unset)
     return true;
 }
 
+/* Defines or changes a variable of the user. */
 HANDLER(let)
 {
     const struct text name = argument_value(args, "NAME")->item->text;

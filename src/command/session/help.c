@@ -302,8 +302,8 @@ static void help_topic(const struct topic *topic, const struct row *row, struct 
                       *row->citation ? "\nsource: " : "", row->citation);
 }
 
-/* Replies with lines broken to the width, except for indented ones, which can be pasted. A log pane
- * breaks lines itself whenever its width changes. */
+/* Replies with lines broken to the width, but not indented ones, nor any if a log pane breaks
+ * them. */
 static void reply_wrapped(const struct session *session, struct text text, struct reply *reply)
 {
     const int width = session->front.width ? session->front.width : HELP_WIDTH;
@@ -477,6 +477,7 @@ static int catalog_search(const struct catalog *catalog, struct text words, stru
     return found;
 }
 
+/* Lists all rows that mention the words. */
 HANDLER(apropos)
 {
     UNUSED(session);

@@ -36,6 +36,7 @@ static bool set_named(struct coefficient_row *row, int i, int count, int rows,
     return false;
 }
 
+/* Lists the stages a, then b and the embedded weights. */
 static bool tableau_coefficients(const struct tableau *t, int i, struct coefficient_row *row)
 {
     if (i < t->stages)
@@ -44,6 +45,7 @@ static bool tableau_coefficients(const struct tableau *t, int i, struct coeffici
                      (const double *const[]){t->b, t->b_hat});
 }
 
+/* Lists the stages a, then b and the embedded weights. */
 static bool implicit_coefficients(const struct implicit_tableau *t, int i,
                                   struct coefficient_row *row)
 {
@@ -53,6 +55,7 @@ static bool implicit_coefficients(const struct implicit_tableau *t, int i,
                      (const double *const[]){t->b, t->b_hat});
 }
 
+/* Lists the stages a, then the weights of position and velocity, and the embedded ones. */
 static bool nystrom_coefficients(const struct nystrom *t, int i, struct coefficient_row *row)
 {
     if (i < t->stages)

@@ -14,6 +14,7 @@ size_t rosenbrock_work(const struct method *method, int n)
     return (size_t)(method->rosenbrock->stages + n + 4) * (size_t)n + LU_ROOM(n);
 }
 
+/* Sets slope [n] to df/dt at the start of the step; later_slope [n] is scratch memory. */
 void rosenbrock_time_derivative(struct step *step, double *slope, double *later_slope)
 {
     const struct system *system = step->system;

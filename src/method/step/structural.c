@@ -258,6 +258,7 @@ static enum step_status structural_step(const struct structural *s, struct step 
     return step_increase(step, z);
 }
 
+/* Takes a step of Newmark's method with constant mean acceleration. */
 enum step_status newmark_step(const struct method *method, struct step *step)
 {
     (void)method;
@@ -286,6 +287,7 @@ enum step_status generalised_alpha_step(const struct method *method, struct step
         step);
 }
 
+/* Takes a step with linear acceleration up to 1.4 h. */
 enum step_status wilson_theta_step(const struct method *method, struct step *step)
 {
     (void)method;

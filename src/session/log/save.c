@@ -63,6 +63,7 @@ static void save_method(const struct setup *setup, struct buffer *text)
         buffer_put(text, TEXT("unset dt\n"));
 }
 
+/* Writes `set NAME VALUE`. */
 static void save_setting(const struct setting *setting, const struct settings *settings,
                          struct buffer *text)
 {
@@ -312,6 +313,7 @@ void session_save_setup(const struct session *session, struct buffer *text)
     save_setup(session, SAVE_SESSION, text);
 }
 
+/* Writes set-up and recordings, for the file of the command save. */
 void session_save(const struct session *session, struct buffer *text)
 {
     buffer_put(text, TEXT("# set-up saved by hooke " HOOKE_VERSION "\n"));
