@@ -318,7 +318,7 @@ struct hooke_table *hooke_table(struct hooke *hooke, const char *what)
     clear_reply(hooke);
     if (what && strpbrk(what, ";>\n\r#\\")) {
         error_set(&error, ERROR_USAGE,
-                  "a table is named by what follows 'export FILE', such as: t y energy");
+                  "give the words that follow 'export FILE', such as: t y energy");
         take_error(hooke, &error, NULL, 0);
         return NULL;
     }

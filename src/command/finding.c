@@ -301,7 +301,7 @@ static void explain_word(const struct session *session, struct text statement, s
     if (!kind && own && text_is(text_of(own->row.name), "plot") &&
         catalog_find(&plot_catalog, where)) {
         buffer_put(&text, text.len ? TEXT("; ") : TEXT(""));
-        put_use("'plot %1' is a plot of its own", where, &text);
+        put_use("'plot %1' draws it separately", where, &text);
     }
     if (is_kind(kind, "method") && text.len == 0 && !error->hint[0])
         buffer_put(&text, TEXT("'list methods' lists them"));

@@ -33,15 +33,15 @@ static const struct row quantities[] = {
     [MEASURE_K] = ROW("k", "spring constant from the period and the mass"),
     [MEASURE_SPRING] =
         ROW("spring", "k and the spring's effective mass from T^2 against m of several recordings"),
-    [MEASURE_SPECTRUM] = ROW("spectrum", "frequency and amplitude of the lines that stand out"),
+    [MEASURE_SPECTRUM] = ROW("spectrum", "frequency and amplitude of the significant lines"),
     [MEASURE_REPEAT] =
-        ROW("repeat", "mean, scatter and what to quote of several recordings or windows"),
+        ROW("repeat", "mean, scatter and uncertainty to quote for several recordings or windows"),
 };
 const struct catalog quantity_catalog = CATALOG("quantity to measure", quantities);
 
 static const struct row shows[] = {
-    [SHOW_ALL] = ROW("all", "everything that has a name"),
-    [SHOW_SCENE] = ROW("scene", "parameters and what follows from them"),
+    [SHOW_ALL] = ROW("all", "all names"),
+    [SHOW_SCENE] = ROW("scene", "parameters and quantities derived from them"),
     [SHOW_RUN] = ROW("run", "state of the current run"),
     [SHOW_DATA] = ROW("data", "the current recording"),
     [SHOW_PLOT] = ROW("plot", "settings of plots and text"),

@@ -67,8 +67,8 @@ static bool count_values(struct value_grid *grid, double step, struct text where
         return true;
     }
     if (!(steps > 0) || !(steps < 1e9)) {
-        error_at(error, where, "%s: such steps do not lead from one end to the other%s", grid->name,
-                 steps > 0 ? " in less than 1e9" : "");
+        error_at(error, where, "%s: these steps do not lead from one end to the other%s",
+                 grid->name, steps > 0 ? " in less than 1e9" : "");
         return error_hint(error, "%s=1:10:0.5 adds 0.5, %s=1:100:x10 multiplies by 10", grid->name,
                           grid->name);
     }
@@ -77,8 +77,8 @@ static bool count_values(struct value_grid *grid, double step, struct text where
      * it. */
     if (grid->count == 1)
         return error_at(error, where,
-                        "%s: the first step already leads past the other end: only %s = %.6g is "
-                        "left, which needs no sweep",
+                        "%s: the first step is longer than the range, so only %s = %.6g is left "
+                        "and no sweep is needed",
                         grid->name, grid->name, grid->first) ||
                (!grid->log && step >= 2 && step == floor(step) &&
                 error_hint(error, "for %.0f points: %s=%.6g:%.6g:%.12g", step, grid->name,

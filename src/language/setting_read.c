@@ -44,7 +44,7 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
         return error_at(error, item.text, "%s must be more than 0, got '%.*s'", setting->row.name,
                         (int)item.text.len, item.text.data);
     if (item.value.uncertainty > 0)
-        return error_at(error, item.text, "%s is exact: it takes no uncertainty",
+        return error_at(error, item.text, "%s is exact and cannot have an uncertainty",
                         setting->row.name);
     memcpy((char *)settings + setting->offset, &item.value.value, sizeof item.value.value);
     return true;

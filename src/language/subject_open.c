@@ -62,7 +62,7 @@ bool needs_spring(const struct scene *scene, const char *what, struct error *err
     if (is_oscillator(scene))
         return true;
     error_set(error, ERROR_COMMAND,
-              "%s needs the mass and the spring of an oscillator, the scene is %s", what,
+              "%s needs the mass and the spring of an oscillator, but the scene is %s", what,
               scene->preset->row.name);
     return error_hint(error, "type: scene spring");
 }
@@ -115,7 +115,7 @@ static bool open_run(struct run *run, const struct argument_value *window, bool 
     subject->series = series_in_window(subject->series, window);
     if (subject->series.n >= min)
         return true;
-    error_set(error, ERROR_COMMAND, "%s holds %zu samples there, at least %zu are needed",
+    error_set(error, ERROR_COMMAND, "%s has only %zu samples there; at least %zu are needed",
               subject->name, subject->series.n, min);
     if (window && window->count)
         error->where = window->where;

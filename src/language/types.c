@@ -403,9 +403,9 @@ COMPLETE_ITEM(complete_quantity)
 
 COMPLETE_ITEM(complete_size)
 {
-    complete_offer(c, "8x6", "cm: a column of a page of two");
+    complete_offer(c, "8x6", "cm: one column of a two-column page");
     complete_offer(c, "12x8", "cm");
-    complete_offer(c, "16x10", "cm: the width of a page of text");
+    complete_offer(c, "16x10", "cm: the full width of a page");
 }
 
 COMPLETE_ITEM(complete_choice)
@@ -418,7 +418,7 @@ COMPLETE_ITEM(complete_scene)
     for (int i = 0; i < c->session->setup.owns; i++)
         complete_offer(c, c->session->setup.own[i]->row.name, "of your own");
     complete_catalog(c, &preset_catalog);
-    complete_offer(c, "new", "an empty scene, for equations of your own");
+    complete_offer(c, "new", "an empty scene for your own equations");
 }
 
 COMPLETE_ITEM(complete_column)

@@ -324,7 +324,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
         item->range[1] = end.value.value;
         if (item->unit && end.unit && item->unit->quantity != end.unit->quantity)
             return error_at(error, text_between(start, parser->rest.data),
-                            "%s: the ends of the range are in %s and in %s", what,
+                            "%s: the ends of the range have different units, %s and %s", what,
                             item->unit->row.name, end.unit->row.name);
         /* A unit at the second end only is the likely cause of an empty range. */
         lacks = !item->unit && end.unit && !isnan(item->range[0]) ? end.unit : NULL;
@@ -337,7 +337,7 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
         return true;
     error_at(error, item->text, "%s: the range '%.*s' is empty", what, shown_length(item->text),
              item->text.data);
-    return lacks ? error_hint(error, "each end has its own unit: %s at the first, too",
+    return lacks ? error_hint(error, "each end needs its own unit: write %s at the first one, too",
                               lacks->row.name)
                  : false;
 }
@@ -443,14 +443,14 @@ bool parse_sides(struct parser *parser, const char *what, const char *stops, str
     const size_t first = cross ? (size_t)(cross - item->text.data) : 0;
     if (!cross || !read_length((struct text){item->text.data, first}, &item->range[0]) ||
         !read_length((struct text){cross + 1, item->text.len - first - 1}, &item->range[1])) {
-        error_at(error, item->text, "%s is WIDTHxHEIGHT in cm, got '%.*s'", what,
+        error_at(error, item->text, "%s must be WIDTHxHEIGHT in cm, not '%.*s'", what,
                  (int)(item->text.len < 64 ? item->text.len : 64), item->text.data);
         return error_hint(error, "for example %s=12x8, or %s=120mmx80mm", what, what);
     }
     for (int i = 0; i < 2; i++)
         if (!(item->range[i] >= PICTURE_MIN && item->range[i] <= PICTURE_MAX))
             return error_at(error, item->text,
-                            "%s: a side of a picture is %g to %g cm, not %.4g cm", what,
+                            "%s: the sides of a picture must be %g to %g cm, not %.4g cm", what,
                             100 * PICTURE_MIN, 100 * PICTURE_MAX, 100 * item->range[i]);
     return true;
 }

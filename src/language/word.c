@@ -23,7 +23,7 @@ static bool unescape(struct parser *parser, struct text inside, struct text *res
                 error_at(error, (struct text){inside.data + i - 1, 2},
                          "unknown escape in a string");
                 return error_hint(error,
-                                  "known are \\n \\t \\\" \\\\; '...' takes everything as it is");
+                                  "possible are \\n \\t \\\" \\\\; in '...' nothing is changed");
             }
             c = escaped[known - escape_letters];
         }

@@ -31,8 +31,7 @@ void put_bare(const struct recording *recording, struct buffer *text)
     const struct column *value = &recording->column[recording->value];
     char unit[SAFE_NAME_SIZE];
     if (value->unit[0])
-        buffer_format(text, "has the unit '%s', which is not known",
-                      safe_name(text_of(value->unit), unit));
+        buffer_format(text, "has the unknown unit '%s'", safe_name(text_of(value->unit), unit));
     else
         buffer_put(text, TEXT("has no unit"));
 }

@@ -221,7 +221,7 @@ static void compute_overview(const struct series *series, struct arena *arena,
                                   .high = -HUGE_VAL,
                                   .period = NAN,
                                   .periods = NAN,
-                                  .reason = "this program finds no periods"};
+                                  .reason = "this program cannot find periods"};
     for (size_t i = 0; i < series->n; i++) {
         overview->low = fmin(overview->low, series->y[i]);
         overview->high = fmax(overview->high, series->y[i]);

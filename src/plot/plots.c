@@ -39,7 +39,7 @@ static bool exact_known(const struct session *session)
     {                                                                                              \
         name, "", brief, "", NULL                                                                  \
     }
-#define MOTION_NEEDED "that needs positions and velocities"
+#define MOTION_NEEDED "this needs positions and velocities"
 
 /* Plots of modules: their functions here, their rows behind the others. */
 #define PLOT_FUNCTIONS
@@ -66,8 +66,8 @@ static const struct plot_row rows[] = {
                      .from_zero = true,
                      .flat = true},
     [PLOT_PHASE] = {.row = ROW("phase",
-                               "v against y, the last two periods unless a window is given; of "
-                               "first order the second value against the first"),
+                               "v against y, for the last two periods unless a window is given; "
+                               "for scenes of first order the second value against the first"),
                     .horizontal = ACROSS_STATE,
                     .vertical = VERTICAL_RATE,
                     .title = "phase",
@@ -94,13 +94,14 @@ static const struct plot_row rows[] = {
                     .offered = exact_known,
                     .positive = true},
     [PLOT_ORBIT] = {.row =
-                        ROW("orbit", "the second coordinate against the first, as long as phase"),
+                        ROW("orbit",
+                            "the second coordinate against the first, over the same time as phase"),
                     .horizontal = ACROSS_STATE,
                     .vertical = VERTICAL_SECOND,
                     .title = "orbit",
                     .equal = true,
                     .fits = has_plane,
-                    .needs = "that needs two coordinates",
+                    .needs = "this needs two coordinates",
                     .in_layouts = true},
     [PLOT_ACCELERATION] = {.row = ROW("acceleration", "a against t"),
                            .observable = "a",

@@ -54,7 +54,7 @@ static bool find_model(struct drawing *d)
         if (!models_alike(run->system.model, d->model))
             return error_set(
                 d->error, ERROR_COMMAND,
-                "run %d (%s) and run %d (%s) have different variables: no plot shows both",
+                "run %d (%s) and run %d (%s) have different variables, so no plot shows both",
                 first->number, first->scene.preset->row.name, run->number,
                 run->scene.preset->row.name);
     }
@@ -394,7 +394,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
     if (row->residual && !recording)
         return error_set(error, ERROR_COMMAND, "a residual needs a recording");
     if (recording && holds_other_quantity(d, recording))
-        return error_set(error, ERROR_COMMAND, "no %s is found from what %s holds", row->row.name,
+        return error_set(error, ERROR_COMMAND, "%s cannot be computed from %s", row->row.name,
                          recording->name);
     for (int i = 0; i < request->runs && !row->residual; i++)
         if (!(request->event.len ? drawing_event_records(d, session->runs.slot[request->run[i]])
@@ -412,7 +412,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
         d->curve[i].cancel = request->follow ? NULL : session->front.cancel;
     }
     return points > 0 || request->follow ||
-           error_set(error, ERROR_COMMAND, "nothing was recorded in this window of time");
+           error_set(error, ERROR_COMMAND, "nothing was recorded in this time window");
 }
 
 /* Sets names, units and what both axes share. */

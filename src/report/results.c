@@ -54,7 +54,7 @@ bool export_run_table(const struct session *session, struct export *export, stru
 
 static const struct result_row rows[] = {
     {.row = {"runs", "", "a row for each run", "", NULL}, .table = export_run_table},
-    {.row = {"run", "", "the current run as it is now", "", NULL},
+    {.row = {"run", "", "the present state of the current run", "", NULL},
      .say = reply_current_run,
      .type = "run"},
     {.row = {"measurements", "", "all measurements", "", NULL}, .table = export_measurements},

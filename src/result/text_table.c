@@ -152,7 +152,7 @@ static void drop_columns(const struct text_table *table, int *width, struct buff
         width[least] = -1;
         if (table->rank[least] >= TABLE_RANK_WIDE)
             continue;
-        buffer_put(told, told->len > 0 ? TEXT(", ") : TEXT("left out for want of room: "));
+        buffer_put(told, told->len > 0 ? TEXT(", ") : TEXT("left out because of the width: "));
         buffer_put(told, *table->cell[least] ? text_of(table->cell[least]) : TEXT("remarks"));
     }
 }

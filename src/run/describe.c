@@ -94,7 +94,7 @@ static void describe_evaluations(const struct scene *scene, const struct system 
     run_work_count(&scenario, &work);
     buffer_format(text, "about %.6g", round(work.force_evals));
     if (work.tried > 0 && (double)work.tried < plan->steps)
-        buffer_format(text, " (going by the first %lld steps)", (long long)work.tried);
+        buffer_format(text, " (estimated from the first %lld steps)", (long long)work.tried);
     else if (work.failed)
         buffer_format(text, " at least");
 }
@@ -147,13 +147,13 @@ static const char *about_turns(const struct system *system, const struct method 
                                bool adaptive)
 {
     if (system->dry)
-        return "steps end where the body turns, sticks and breaks away ('set turning off' goes "
+        return "steps end where the body turns, sticks and breaks away ('set turning off' steps "
                "across)";
     if (system->oscillator.friction != 0)
         return "turning points: crossed (turning off), the order is lost there: dry friction jumps";
     if (system->switches > 0 && (system->pieces || system->steps_across_kinks) && !adaptive) {
         if (method_meets_switches(method, system))
-            return "steps end at switches (if, abs, sign, ...) ('set turning off' goes across)";
+            return "steps end at switches (if, abs, sign, ...) ('set turning off' steps across)";
         return system->steps_across_kinks
                    ? "switches (if, abs, sign, ...): crossed (turning off), the order is lost there"
                    : "switches (if, abs, sign, ...): crossed by this method, the order is lost "
@@ -162,7 +162,7 @@ static const char *about_turns(const struct system *system, const struct method 
     if (!system->kinks || method->order <= 2)
         return NULL;
     if (method_turns(method, system))
-        return "turning points: located by extra steps ('set turning off' goes across)";
+        return "turning points: located by extra steps ('set turning off' steps across)";
     return system->steps_across_kinks
                ? "turning points: crossed (turning off), the order is lost there"
                : "order is lost at turning points: quadratic drag is only C^1 there";
@@ -199,8 +199,7 @@ static void describe_grid(const struct method *method, const struct run_settings
         buffer_format(text, "\n%-10sone last step of ", "");
         buffer_quantity(text, plan->partial, QUANTITY_TIME, 6);
         if (method->flags & METHOD_SYMPLECTIC)
-            buffer_format(text, "; it breaks the constant step that makes %s symplectic",
-                          method->row.name);
+            buffer_format(text, "; %s is symplectic only with constant steps", method->row.name);
     } else if (plan->exact_end) {
         buffer_format(text, ", which end exactly on time");
     }
@@ -230,7 +229,7 @@ static void describe_steps(const struct scene *scene, const struct system *syste
              method_kernel(method, system, drag))
         buffer_format(text, "specialised for %s and these forces\n", method->row.name);
     else
-        buffer_format(text, "general: each force is called at each stage\n");
+        buffer_format(text, "general code: each force is called at each stage\n");
     if (!isnan(plan->steps)) {
         description_key_put(text, "evals");
         describe_evaluations(scene, system, method, settings, plan, text);
@@ -252,10 +251,10 @@ static void describe_record(const struct system *system, const struct run_settin
     if (settings->record.rule == RECORD_EVERY)
         buffer_format(text, " every %lld steps", (long long)settings->record.every);
     else if (timed)
-        buffer_format(text, " every %.6g s and at the end, inside of steps on their dense output",
+        buffer_format(text, " every %.6g s and at the end, by dense output within steps",
                       settings->record.interval);
     else if (settings->record.rule == RECORD_AUTO && !(plan->steps < LIMIT_SAMPLES))
-        buffer_format(text, ", every step up to %u rows, then decimated (no peak is lost)",
+        buffer_format(text, ", every step up to %u rows, then decimated (peaks are kept)",
                       LIMIT_SAMPLES);
     else
         buffer_format(text, " every step");
@@ -276,7 +275,7 @@ static void describe_prediction(const struct system *system, const struct method
     description_key_put(text, "predicted");
     buffer_format(text, "amplitude times ");
     buffer_short(text, plan->growth, 10);
-    buffer_format(text, " a step");
+    buffer_format(text, " per step");
     if (limit == 0) {
         buffer_format(text, "; %s is unstable here for every dt", method->row.name);
     } else if (isinf(limit)) {
@@ -308,6 +307,6 @@ void plan_describe(const struct scene *scene, const struct system *system,
     if (system->order == 2 && !system->energy) {
         description_key_put(text, "energy");
         buffer_format(text,
-                      "unknown: the typed forces have no potential; kinetic is what there is\n");
+                      "unknown: the typed forces have no potential; only kinetic is available\n");
     }
 }

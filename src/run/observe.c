@@ -165,7 +165,7 @@ static const char *missing_need(const struct observable *observable, const struc
     if (observable->needs & NEED_LINE && !(system->n == 2 && is_on_line(system)))
         return "motion along a line";
     if (observable->needs & NEED_CENTRE && !system->oscillator.whole)
-        return "a linear spring, with nothing beside it but drag, gravity and drive";
+        return "a linear spring, with only drag, gravity and a drive besides";
     if (observable->needs & NEED_CENTRE && !(system->oscillator.stiffness > 0))
         return "an oscillation about an equilibrium (k > 0)";
     return NULL;
@@ -175,8 +175,8 @@ static const char *missing_need(const struct observable *observable, const struc
 static bool refuse_observable(const struct observable *observable, const char *missing,
                               struct error *error)
 {
-    error_set(error, ERROR_COMMAND, "%s needs %s, which this run has not", observable->row.name,
-              missing);
+    error_set(error, ERROR_COMMAND, "%s needs %s, which this run does not have",
+              observable->row.name, missing);
     return observable->needs & NEED_ENERGY
                ? error_hint(error, "its kinetic energy is called kinetic")
                : false;

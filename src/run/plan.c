@@ -10,14 +10,14 @@
 #include <math.h>
 
 static const struct row kernels[] = {
-    [KERNEL_PROPAGATOR] =
-        {"propagator", "",
-         "linear scenes of two variables by powers of the one-step matrix, the rest specialised",
-         "", NULL},
+    [KERNEL_PROPAGATOR] = {"propagator", "",
+                           "linear scenes of two variables by powers of the one-step matrix, other "
+                           "scenes by specialised code",
+                           "", NULL},
     [KERNEL_SPECIALISED] = {"specialised", "",
-                            "steps made for the method and the kind of scene, where there are some",
+                            "specialised steps for the method and the kind of scene, if they exist",
                             "", NULL},
-    [KERNEL_GENERAL] = {"general", "", "the specification: every term is called at every stage", "",
+    [KERNEL_GENERAL] = {"general", "", "the reference: every term is called at every stage", "",
                         NULL},
 };
 
@@ -52,9 +52,8 @@ static bool check_memory(const struct run_settings *settings, double rows, doubl
         every *= settings->record.interval;
     else if (settings->record.rule == RECORD_EVERY)
         every *= (double)settings->record.every;
-    error_set(error, ERROR_COMMAND,
-              "recording %.6g rows needs %.4g bytes, the budget is %.4g bytes", rows, bytes,
-              budget);
+    error_set(error, ERROR_COMMAND, "recording %.6g rows needs %.4g bytes; the limit is %.4g bytes",
+              rows, bytes, budget);
     return error_hint(
         error,
         "'set record auto' keeps every peak in at most %u rows; 'set record every %.15g%s' fits",
@@ -68,10 +67,9 @@ static bool check_grid(double t0, double dt, double span, const struct stretch *
 {
     double far = fmax(fabs(t0), isinf(span) ? 0 : fabs(t0 + span));
     if (isfinite(span) && stretch->ratio > LIMIT_STEPS) {
-        error_set(
-            error, ERROR_COMMAND,
-            "%.4g s in steps of %.4g s are %.4g steps, more than the 2^53 that can be counted",
-            fabs(span), dt, stretch->ratio);
+        error_set(error, ERROR_COMMAND,
+                  "%.4g s in steps of %.4g s need %.4g steps; at most 2^53 can be counted",
+                  fabs(span), dt, stretch->ratio);
         return error_hint(error, "dt must be at least %.2g s for this duration",
                           fabs(span) / LIMIT_STEPS * 1.05);
     }
@@ -80,7 +78,7 @@ static bool check_grid(double t0, double dt, double span, const struct stretch *
         error_set(error, ERROR_COMMAND,
                   "dt = %.4g s is below the rounding of the time, %.2g s near t = %.4g s", dt,
                   spacing, far);
-        return error_hint(error, "dt must be at least that, or t0 nearer to 0");
+        return error_hint(error, "increase dt, or choose t0 nearer to 0");
     }
     return true;
 }

@@ -334,7 +334,7 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     if (!scene_bind(scene, &system, error))
         return false;
     if (system.model != run->system.model)
-        return error_set(error, ERROR_COMMAND, "a run of %s cannot go on as %s",
+        return error_set(error, ERROR_COMMAND, "a run of %s cannot continue as %s",
                          run->system.model->row.name, system.model->row.name);
     if (!method_applies(run->method, &system, &drag, error) ||
         !plan_make(&system, run->method, &run->settings, HUGE_VAL, &plan, error))
@@ -350,9 +350,9 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     memcpy(start, last->start, sizeof start);
     if (last->first != run->steps) {
         if (p->epochs > LIMIT_CHANGES) {
-            error_set(error, ERROR_COMMAND, "run %d was changed at %d times already", run->number,
+            error_set(error, ERROR_COMMAND, "run %d has already been changed %d times", run->number,
                       LIMIT_CHANGES);
-            return error_hint(error, "start another one: run");
+            return error_hint(error, "start a new one: run");
         }
         if (exact)
             system_exact(&last->system, last->t, last->start, run->t, start, NULL);
@@ -398,7 +398,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
                  previous_energy = system->order == 2 ? system_energy(system, run->y) : 0;
     if (run->method->flags & METHOD_EXTERNAL)
         return error_set(error, ERROR_COMMAND,
-                         "%s keeps what it knows to itself: its state cannot be changed on the way",
+                         "%s has internal state, so the state of the run cannot be changed",
                          run->method->row.name);
     if (!(fabs(value) <= p->bound[i]))
         return error_set(error, ERROR_COMMAND, "%s cannot become %g",

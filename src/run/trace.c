@@ -41,7 +41,7 @@ bool trace_grow_index(struct trace *trace)
 #define MARK_EXTREMES 2 /* numbers of a mark without work: max and scale */
 #define MARK_WORK 6     /* numbers of a mark with work */
 _Static_assert(sizeof(struct energy_tally) == MARK_WORK * sizeof(double),
-               "a mark is the beginning of a tally");
+               "a mark is the beginning of a ledger");
 
 bool trace_marked(const struct trace *trace)
 {

@@ -80,7 +80,7 @@ const struct events *events_with(struct session *session, const struct event_lin
                                      .when = arena_text(&events->arena, when),
                                      .commands = arena_text(&events->arena, commands)};
     if (events->count == LIMIT_EVENTS)
-        error_set(error, ERROR_COMMAND, "%d events exist already", LIMIT_EVENTS);
+        error_set(error, ERROR_COMMAND, "there are already %d events", LIMIT_EVENTS);
     else if (!added.when || !added.commands)
         error_memory(error);
     else {
@@ -165,8 +165,9 @@ void events_plan(const struct events *events, struct buffer *text)
     buffer_put(text, TEXT("events    "));
     for (int i = 0; i < events->count; i++)
         buffer_format(text, "%s%s", i > 0 ? ", " : "", events->line[i].name);
-    buffer_put(text, TEXT(": looked for in every step; bounds of the expression there prove that "
-                          "none is missed\n"));
+    buffer_put(
+        text,
+        TEXT(": searched in every step; bounds of the expression prove that none is missed\n"));
 }
 
 /* ---- events of runs ---- */
@@ -190,7 +191,7 @@ bool events_compile(const struct events *events, const struct expr_scope *scope,
         memcpy(list[i].name, line->name, sizeof list[i].name);
         if (!event_compile(text_of(line->when), scope, arena, &list[i], &used, error)) {
             error->where = (struct text){NULL, 0};
-            return error_hint(error, "in the event %s; 'event %s off' drops it", line->name,
+            return error_hint(error, "in the event %s; 'event %s off' removes it", line->name,
                               line->name);
         }
     }

@@ -193,16 +193,16 @@ bool live_bind(struct session *session, int param, double *t_start, struct error
     if (live->changing && !run)
         return error_set(error, ERROR_COMMAND, "there is no run to change");
     if (live->changing && is_other) {
-        error_set(error, ERROR_COMMAND, "run %d is one of %s, the scene is now %s", run->number,
-                  run->scene.preset->row.name, now->preset->row.name);
+        error_set(error, ERROR_COMMAND, "run %d belongs to %s, but the scene is now %s",
+                  run->number, run->scene.preset->row.name, now->preset->row.name);
         return error_hint(error, "type: scene %s", run->scene.preset->row.name);
     }
     if (live->changing && is_start)
         return error_set(error, ERROR_COMMAND,
-                         "%s is where a run starts: it cannot change on the way", name);
+                         "%s is an initial value and cannot be changed during a run", name);
     if (live->changing && index < 0)
-        return error_set(error, ERROR_COMMAND, "run %d has no %s: that came later", run->number,
-                         name);
+        return error_set(error, ERROR_COMMAND, "run %d has no %s, which was defined later",
+                         run->number, name);
     /* the run takes the change over if it advances, is paused at a prompt, or is to be changed */
     const bool going = run && (live->state == LIVE_RUNNING ||
                                (session->execution.typed && stop_is_pause(run->stop)) ||

@@ -16,7 +16,8 @@ const struct module *const module_list[] = {
 #include "lists/modules.def"
     NULL,
 };
-_Static_assert(COUNT_OF(module_list) <= LIMIT_MODULES + 1, "more modules than parts of a session");
+_Static_assert(COUNT_OF(module_list) <= LIMIT_MODULES + 1,
+               "there are more modules than a session can hold");
 
 const char *const module_left_out[] = {
 #include "lists/left_out.def"
@@ -60,7 +61,7 @@ bool module_is_in(const char *what, struct text word, struct error *error)
     error_at(error, word, "'%s' belongs to the module %s, which this program was built without",
              what, missing[i][1]);
     error->code = ERROR_USAGE;
-    return error_hint(error, "'hooke --version' names the modules that are in");
+    return error_hint(error, "'hooke --version' lists the modules");
 }
 
 /* ---- studies that were stopped and can continue ---- */

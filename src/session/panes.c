@@ -32,6 +32,6 @@ static const struct row snaps[] = {
     [SNAP_CROSSING] = ROW("crossing", "up-crossings of the equilibrium, placed by a line fit"),
     [SNAP_PEAK] = ROW("peak", "maxima, placed by a parabola"),
     [SNAP_SAMPLE] = ROW("sample", "the nearest sample"),
-    [SNAP_NONE] = ROW("none", "where it was put"),
+    [SNAP_NONE] = ROW("none", "exactly where it was placed"),
 };
-const struct catalog snap_catalog = CATALOG("way to snap", snaps);
+const struct catalog snap_catalog = CATALOG("snap mode", snaps);

@@ -121,8 +121,8 @@ bool session_add_run(struct session *session, struct run *run, struct error *err
 {
     struct run_slot *slot = NULL;
     if (session->runs.count == LIMIT_RUNS) {
-        error_set(error, ERROR_COMMAND, "%d runs are kept already", LIMIT_RUNS);
-        error_hint(error, "drop some: drop N.. or drop all");
+        error_set(error, ERROR_COMMAND, "there are already %d runs", LIMIT_RUNS);
+        error_hint(error, "delete some: drop N.. or drop all");
     } else if (!(slot = calloc(1, sizeof *slot))) {
         error_memory(error);
     } else {
@@ -164,8 +164,8 @@ bool session_add_recording(struct session *session, struct recording *recording,
     struct recording_slot *slot = NULL;
     char *copy = NULL;
     if (session->recordings == LIMIT_RECORDINGS) {
-        error_set(error, ERROR_COMMAND, "%d recordings are kept already", LIMIT_RECORDINGS);
-        error_hint(error, "drop one: data drop NAME");
+        error_set(error, ERROR_COMMAND, "there are already %d recordings", LIMIT_RECORDINGS);
+        error_hint(error, "delete one: data drop NAME");
     } else if (!(slot = calloc(1, sizeof *slot)) || !(copy = strdup(options))) {
         error_memory(error);
     }

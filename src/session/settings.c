@@ -16,9 +16,9 @@
 #include <string.h>
 
 static const struct row format_rows[] = {
-    [FORMAT_TEXT] = {"text", "", "lines for people", "", NULL},
+    [FORMAT_TEXT] = {"text", "", "lines to read", "", NULL},
     [FORMAT_CSV] = {"csv", "", "comma-separated rows with a header", "", NULL},
-    [FORMAT_JSON] = {"json", "", "one JSON object a line", "", NULL},
+    [FORMAT_JSON] = {"json", "", "one JSON object per line", "", NULL},
 };
 const struct catalog format_choice_catalog = CATALOG("format", format_rows);
 
@@ -30,10 +30,10 @@ const struct catalog format_choice_catalog = CATALOG("format", format_rows);
         name, "", brief, "", NULL                                                                  \
     }
 static const struct charset_choice charset_rows[] = {
-    {ROW("auto", "braille where the terminal can show it"), NULL},
+    {ROW("auto", "braille if the terminal supports it"), NULL},
     {ROW("ascii", "plain ASCII"), &charset_ascii},
     {ROW("block", "block characters"), &charset_block},
-    {ROW("braille", "braille dots, 2x4 a cell"), &charset_braille},
+    {ROW("braille", "braille dots, 2x4 per cell"), &charset_braille},
 #include "lists/charsets.def"
 };
 #undef ROW
@@ -56,12 +56,12 @@ static const struct row color_rows[] = {
 static const struct catalog color_choice_catalog = CATALOG("color", color_rows);
 
 static const struct row sync_rows[] = {
-    [SYNC_AUTO] = {"auto", "", "on where the terminal answers", "", NULL},
+    [SYNC_AUTO] = {"auto", "", "on if the terminal answers", "", NULL},
     [SYNC_ON] = {"on", "", "the next frame waits until the terminal has shown the last one", "",
                  NULL},
     [SYNC_OFF] = {"off", "", "frames do not wait", "", NULL},
 };
-static const struct catalog sync_choice_catalog = CATALOG("way to keep in step", sync_rows);
+static const struct catalog sync_choice_catalog = CATALOG("kind of synchronisation", sync_rows);
 
 static const struct row timing_rows[] = {
     [TIMING_OFF] = {"off", "", "no times are measured", "", NULL},
@@ -71,48 +71,50 @@ static const struct row timing_rows[] = {
 const struct catalog timing_catalog = CATALOG("timing", timing_rows);
 
 static const struct row view_rows[] = {
-    [VIEW_PAGE] = {"page", "", "the live view sweeps, then pages: few bytes", "", NULL},
-    [VIEW_SCROLL] = {"scroll", "", "it scrolls by whole cells", "", NULL},
+    [VIEW_PAGE] = {"page", "", "the live view fills, then starts a new page: few bytes", "", NULL},
+    [VIEW_SCROLL] = {"scroll", "", "the live view scrolls by whole cells", "", NULL},
 };
 static const struct row sums_rows[] = {
-    [SUMS_PLAIN] = {"plain", "", "sums as they come: the textbook's", "", NULL},
+    [SUMS_PLAIN] = {"plain", "", "plain sums, as in textbooks", "", NULL},
     [SUMS_COMPENSATED] = {"compensated", "",
-                          "rounding grows as slowly as chance allows (Brouwer's law)", "Kahan 1965",
-                          NULL},
+                          "rounding errors grow as slowly as random ones (Brouwer's law)",
+                          "Kahan 1965", NULL},
 };
 static const struct row turning_rows[] = {
     [TURNING_ON] =
         {"on", "",
          "steps end at turning points and switches, in extra steps: methods keep their order", "",
          NULL},
-    [TURNING_OFF] = {"off", "", "steps go across: methods run as they are printed", "", NULL},
+    [TURNING_OFF] = {"off", "", "steps cross them: methods run as published", "", NULL},
 };
-const struct catalog turning_catalog = CATALOG("way with turning points", turning_rows);
+const struct catalog turning_catalog = CATALOG("treatment of turning points", turning_rows);
 
 static const struct row pager_rows[] = {
     [PAGER_OFF] = {"off", "", "the terminal scrolls", "", NULL},
-    [PAGER_ON] = {"on", "", "$PAGER, or less, is run with it; typed at a prompt only", "", NULL},
+    [PAGER_ON] = {"on", "", "runs $PAGER, or less, with it; can be set only at a prompt", "", NULL},
 };
-static const struct catalog pager_catalog = CATALOG("way to page", pager_rows);
+static const struct catalog pager_catalog = CATALOG("kind of paging", pager_rows);
 
 static const struct row opinion_rows[] = {
-    [OPINIONS_AUTO] = {"auto", "", "a second solution, as far as a quarter of the run's work goes",
-                       "", NULL},
-    [OPINIONS_FULL] = {"full", "", "to the end, whatever it takes", "", NULL},
-    [OPINIONS_WARN] = {"warn", "",
-                       "as auto; a run without a right digit is a warning, not an error (chaos)",
-                       "", NULL},
+    [OPINIONS_AUTO] = {"auto", "", "a second solution, with up to a quarter of the run's work", "",
+                       NULL},
+    [OPINIONS_FULL] = {"full", "", "a second solution to the end, at any cost", "", NULL},
+    [OPINIONS_WARN] =
+        {"warn", "",
+         "like auto, but a run without a correct digit is a warning, not an error (chaos)", "",
+         NULL},
     [OPINIONS_OFF] = {"off", "", "none", "", NULL},
 };
 const struct catalog opinion_catalog = CATALOG("kind of second opinion", opinion_rows);
 
 static const struct row record_rows[] = {
-    [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, no peak is lost", "",
-                     NULL},
-    [RECORD_ALL] = {"all", "", "every step, if the memory is there", "", NULL},
+    [RECORD_AUTO] = {"auto", "", "every step; very long runs are decimated, but keep their peaks",
+                     "", NULL},
+    [RECORD_ALL] = {"all", "", "every step, if memory suffices", "", NULL},
     [RECORD_EVERY] =
         {"every", "",
-         "every N: each so many steps; every TIME: at even times, from inside of steps", "", NULL},
+         "every N: every N-th step; every TIME: at even times, interpolated within steps", "",
+         NULL},
 };
 static const struct catalog record_catalog = CATALOG("rule", record_rows);
 
@@ -121,7 +123,8 @@ static const struct catalog sums_catalog = CATALOG("kind of sum", sums_rows);
 static const struct catalog view_choice_catalog = CATALOG("kind of view", view_rows);
 
 static const struct row phase_rows[] = {
-    [PHASE_SCALED] = {"scaled", "", "v/omega0 in the unit of y: what conserves draws a circle", "",
+    [PHASE_SCALED] = {"scaled", "",
+                      "v/omega0 in the unit of y, so that a conservative motion is a circle", "",
                       NULL},
     [PHASE_RAW] = {"raw", "", "v", "", NULL},
 };
@@ -187,7 +190,7 @@ static bool parse_record(struct settings *settings, struct text value, struct er
         settings->record = (struct recording_rule){RECORD_TIMES, 1, time};
         return true;
     }
-    error_at(error, value, "record is auto, all, every N (steps), or every TIME");
+    error_at(error, value, "record must be auto, all, every N (steps), or every TIME");
     return error_hint(error, "for example: set record every 10; set record every 0.1 s");
 }
 
@@ -218,7 +221,7 @@ static bool parse_size(struct settings *settings, struct text value, struct erro
         real_parse(rest, &h) != REAL_OK || w < 1 || h < 1 || w > 1000 || h > 1000 ||
         w != floor(w) || h != floor(h))
         return error_at(error, value,
-                        "size is WIDTHxHEIGHT in characters from 1x1 to 1000x1000, or auto");
+                        "size must be WIDTHxHEIGHT in characters from 1x1 to 1000x1000, or auto");
     settings->width = (int)w;
     settings->height = (int)h;
     return true;
@@ -239,7 +242,7 @@ static bool parse_digits(struct settings *settings, struct text value, struct er
     double digits;
     if (real_parse(value, &digits) != REAL_OK || digits < 1 || digits > 17 ||
         digits != floor(digits))
-        return error_at(error, value, "digits is a whole number from 1 to 17");
+        return error_at(error, value, "digits must be a whole number from 1 to 17");
     settings->digits = (int)digits;
     return true;
 }
@@ -254,7 +257,7 @@ static bool parse_fps(struct settings *settings, struct text value, struct error
 {
     double fps;
     if (real_parse(value, &fps) != REAL_OK || !(fps >= 0.1 && fps <= 60))
-        return error_at(error, value, "fps is a number from 0.1 to 60 frames a second");
+        return error_at(error, value, "fps must be a number from 0.1 to 60 frames per second");
     settings->fps = fps;
     return true;
 }

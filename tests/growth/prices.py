@@ -47,7 +47,7 @@ ABSENT = [
     ("stable dt", "stable dt", ["method_stable_limit"]),
 ]
 # Entries of the other list that check_absent_forces() holds, and the remark at its end.
-OTHERWISE = r"coefficient 0$|is computed then$"
+OTHERWISE = r"coefficient 0$|computed on demand$"
 CASES = [
     "scene spring; method verlet",
     "scene drag; method rk4",

@@ -68,7 +68,7 @@ static bool choose_methods(const struct arguments *args, struct figure_request *
         return error_memory(error);
     for (int i = 1; i < what->count; i++) {
         if (!is_method(&what->item[i]))
-            return error_at(error, what->item[i].text, "'%.*s' is no method",
+            return error_at(error, what->item[i].text, "'%.*s' is not a method",
                             (int)what->item[i].text.len, what->item[i].text.data);
         bool is_repeated = false;
         for (int k = 0; k < request->methods; k++)

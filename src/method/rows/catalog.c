@@ -56,7 +56,7 @@ enum { ABSENT = 0 };
 static const struct row absent[] = {
 #define YARDSTICK(id, ...) \
     {name_##id, "", \
-     "this program was built without SUNDIALS 6; install libsundials-dev and build again", \
+     "this program was built without SUNDIALS 6; install libsundials-dev and rebuild it", \
      "", NULL},
 #include "method/rows/cvode.def"
 };

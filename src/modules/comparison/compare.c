@@ -356,7 +356,7 @@ HANDLER(compare)
     if (session->runs.count + max > LIMIT_RUNS) {
         error_set(error, ERROR_COMMAND, "this would make %d runs, but %d exist and %d is the limit",
                   max, session->runs.count, LIMIT_RUNS);
-        return error_hint(error, "drop some: drop N.. or drop all");
+        return error_hint(error, "delete some: drop N.. or drop all");
     }
     struct compare_request request = {.scene = &session->setup.scene,
                                       .choice = choice,

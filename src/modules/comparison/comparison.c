@@ -87,7 +87,7 @@ int drop_repeated(struct method_choice *choice, int count, struct reply *reply)
         for (int k = 0; k < left; k++)
             repeated |= choice[k].method == choice[i].method && choice[k].drag == choice[i].drag;
         if (repeated)
-            reply_note(reply, "%s is named twice: taken once, dt=10ms,5ms compares steps",
+            reply_note(reply, "%s is named twice and used once; dt=10ms,5ms compares steps",
                        choice[i].method->row.name);
         else
             choice[left++] = choice[i];

@@ -132,7 +132,7 @@ HANDLER(start)
     if (view->start_n != system.n)
         view->starts = 0;
     if (view->starts == LIMIT_STARTS) {
-        error_at(error, what->item->text, "there are %d starts already", LIMIT_STARTS);
+        error_at(error, what->item->text, "there are already %d starts", LIMIT_STARTS);
         return error_hint(error, "start clear");
     }
     view->start_n = system.n;

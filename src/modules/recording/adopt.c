@@ -216,7 +216,7 @@ static bool adopt_curve(struct session *session, const struct arguments *args, s
         return error_hint(error, "type: fit, or: fit scene");
     }
     if (fitted->model != scene.model)
-        return error_set(error, ERROR_COMMAND, "the fit was one of %s, the scene is %s",
+        return error_set(error, ERROR_COMMAND, "the fit belongs to %s, but the scene is %s",
                          fitted->preset->row.name, scene.preset->row.name);
     if (has_argument(args, "amplitude"))
         return error_set(error, ERROR_COMMAND,
@@ -330,7 +330,7 @@ static bool can_have_spring(const struct scene *scene, const struct fit *fit, st
 {
     if (fit->drag.force != RESTORING_SINE)
         return needs_spring(scene, "adopt", error);
-    error_set(error, ERROR_COMMAND, "the fit is one of a pendulum, the scene %s is none",
+    error_set(error, ERROR_COMMAND, "the fit belongs to a pendulum, but the scene %s is not one",
               scene->preset->row.name);
     return error_hint(error, "type: scene pendulum; adopt");
 }

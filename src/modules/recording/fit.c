@@ -77,7 +77,7 @@ static bool refuse_others(const struct fit_request *call, const struct fit_model
             return error_hint(error, "use that with 'fit scene' and 'fit EXPR'");
         }
     if (model->kind != FIT_MODES && has_argument(call->args, "COUNT")) {
-        error_at(error, argument_value(call->args, "COUNT")->where, "'fit %s' takes no number",
+        error_at(error, argument_value(call->args, "COUNT")->where, "'fit %s' cannot have a number",
                  name);
         return error_hint(error, "for several frequencies: fit modes 2");
     }
@@ -128,7 +128,7 @@ static bool fit_while_collecting(struct session *session, const struct arguments
         if (args->value[i].count > 0 && &args->value[i] != model &&
             &args->value[i] != argument_value(args, "live"))
             return error_at(error, args->value[i].where,
-                            "--live fits everything collected and takes no other arguments");
+                            "--live fits everything collected and cannot have other arguments");
     if (model->count && model->item->row != catalog_row(&fit_catalog, 0))
         return error_at(error, model->where,
                         "--live works only with a damped sine: fit damped --live");

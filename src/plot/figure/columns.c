@@ -21,7 +21,7 @@ bool drawing_columns(struct drawing *d, const struct system *system)
     d->coordinates = request->columns;
     if (request->columns > DRAWN_COLUMNS || (request->columns > 1 && request->runs > 1))
         return error_at(d->error, request->column[1],
-                        request->runs > 1 ? "of several runs one column at a time"
+                        request->runs > 1 ? "from several runs only one column can be drawn"
                                           : "at most %d columns in one plot",
                         DRAWN_COLUMNS);
     if (plane &&
@@ -91,7 +91,7 @@ static bool column_value_at_event(const struct run *run, const struct chosen_col
     if (column->observable && (column->observable->needs & ~(unsigned)(NEED_MECHANICS | NEED_LINE |
                                                                        NEED_POWER | NEED_ENERGY) ||
                                !observable_defined(column->observable, &run->system, false)))
-        return error_set(error, ERROR_COMMAND, "%s is not known at events",
+        return error_set(error, ERROR_COMMAND, "%s has no value at events",
                          column->observable->row.name);
     if (column->observable)
         *value = column->observable->value(&sample);
@@ -134,8 +134,9 @@ bool drawing_event_records(struct drawing *d, const struct run_slot *slot)
                 y[n++] = y_value;
         }
         if (seen == 1 && n == 0)
-            return error_at(d->error, request->event,
-                            "only one of these events happened in this time: no next");
+            return error_at(
+                d->error, request->event,
+                "only one of these events happened in this time, so there is no next one");
         if (n == 0) {
             error_at(d->error, request->event, "run %d has no event '%.*s' in this time",
                      run->number, (int)(request->event.len < 64 ? request->event.len : 64),

@@ -203,7 +203,7 @@ bool drawing_find_motion(struct drawing *d, const struct recording *recording)
     if (d->request->runs > 0)
         return d->model == &oscillator_model ||
                error_set(d->error, ERROR_COMMAND,
-                         "velocities of %s are those of a spring, no plot shows both",
+                         "velocities of %s are those of a spring, so no plot shows both",
                          recording->name);
     const double omega = d->motion.omega;
     d->model = &oscillator_model;

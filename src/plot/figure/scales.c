@@ -68,9 +68,9 @@ static bool apply_range(const struct drawing *d, bool vertical, enum quantity qu
         axis->last_value = extent.high + air * (extent.high - range->end[0]);
     axis->fixed = true;
     if (axis->log && !(axis->first_value > 0))
-        return error_at(d->error, range->text, "a logarithmic axis begins above zero");
+        return error_at(d->error, range->text, "a logarithmic axis must begin above zero");
     if (!(axis->first_value < axis->last_value))
-        return error_at(d->error, range->text, "nothing is drawn in this range");
+        return error_at(d->error, range->text, "no curve lies in this range");
     if ((vertical || figure->plane) && !figure->equal)
         axis_suit(axis, quantity, fmax(fabs(axis->first_value), fabs(axis->last_value)));
     return true;

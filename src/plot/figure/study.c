@@ -273,7 +273,7 @@ bool drawing_study(struct drawing *d, const struct study_picture *picture, struc
     struct study s = {
         .d = d, .picture = picture, .table = drawing_stored(d->session, picture->table)};
     if (!s.table || s.table->rows == 0) {
-        error_set(d->error, ERROR_COMMAND, "there is nothing of '%s' to plot", picture->table);
+        error_set(d->error, ERROR_COMMAND, "there is no result of '%s' to plot", picture->table);
         return error_hint(d->error, "type: %s", picture->made_by);
     }
     s.x = table_column_named(s.table, picture->x);

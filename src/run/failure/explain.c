@@ -116,9 +116,9 @@ static bool explain_domain(const struct run *run, struct buffer *text)
         if (undefined_slope(system, run->t + farther, y, ignored) < 0)
             return false;
         buffer_format(text,
-                      "%s' is not a number beyond t = ", system_variable(system, undefined).name);
+                      "%s' is not a number after t = ", system_variable(system, undefined).name);
         put_time(text, run->t, 6);
-        buffer_put(text, TEXT(", where the motion leads: the equations end there"));
+        buffer_put(text, TEXT(", where the equations are not defined"));
         return true;
     }
     return false;
@@ -136,9 +136,9 @@ static bool explain_state(const struct run *run, struct buffer *text)
             continue;
         buffer_format(text, "%s = ", system_variable(system, i).name);
         buffer_short(text, run->y[i], 3);
-        buffer_put(text, TEXT(" is beyond "));
+        buffer_put(text, TEXT(" exceeds "));
         buffer_short(text, run_bound(system, i), 1);
-        buffer_put(text, TEXT(", where runs end; count in larger units"));
+        buffer_put(text, TEXT(", the limit of a run; use larger units"));
         return true;
     }
     for (size_t k = 0; k < (run->plan.adaptive ? 1 : COUNT_OF(ahead)); k++) {
@@ -153,12 +153,12 @@ static bool explain_state(const struct run *run, struct buffer *text)
             put_time(text, t, 6);
             struct text reason;
             if (system->autonomous)
-                reason = TEXT(", in the state reached there");
+                reason = TEXT(" for the state at that time");
             else
-                reason = run->plan.adaptive
-                             ? TEXT("; no step begins there, a run can begin behind it")
-                             : TEXT("; choose dt so that no step ends there, or a method that "
-                                    "adapts");
+                reason =
+                    run->plan.adaptive
+                        ? TEXT("; no step can begin there, but a run can begin later")
+                        : TEXT("; choose dt so that no step ends there, or an adaptive method");
             buffer_put(text, reason);
             return true;
         }
@@ -201,11 +201,11 @@ static void explain_adaptive_divergence(const struct run *run, struct buffer *te
         buffer_format(text, " 1/s, too fast for %s; try %s", run->method->row.name,
                       remedy_for_rate(run));
     } else if (fate_of(run) == SOLUTION_GOES_ON) {
-        buffer_put(text, TEXT("errors of steps have led out of the range of numbers, the solution "
-                              "goes on; try a smaller tol"));
+        buffer_put(text, TEXT("errors of steps have exceeded the range of numbers, but the "
+                              "solution continues; try a smaller tol"));
     } else {
         buffer_put(text, TEXT("no step, however short, gives a state within the range of numbers; "
-                              "it is not known why"));
+                              "the cause is unknown"));
     }
 }
 
@@ -235,7 +235,7 @@ static void explain_fixed_divergence(const struct run *run, struct buffer *text)
     } else if (limit == 0 && o->damping == 0) {
         buffer_format(text, "%s is unstable on an undamped oscillator for every dt (growth ", name);
         buffer_short(text, growth, 5);
-        buffer_format(text, " a step); try symplectic-euler");
+        buffer_format(text, " per step); try symplectic-euler");
     } else if (limit > 0 && dt > limit) {
         buffer_format(text, "dt = ");
         put_time(text, dt, 6);
@@ -246,7 +246,7 @@ static void explain_fixed_divergence(const struct run *run, struct buffer *text)
     } else if (growth > 1) {
         buffer_format(text, "%s grows by ", name);
         buffer_short(text, growth, 5);
-        buffer_format(text, " a step at this dt; try a smaller dt or an implicit method");
+        buffer_format(text, " per step at this dt; try a smaller dt or an implicit method");
     } else if (!implicit && isnan(limit) && isfinite(rate) && rate * dt > 1) {
         buffer_format(text, "the scene's fastest rate is about ");
         buffer_short(text, rate, 2);
@@ -255,9 +255,9 @@ static void explain_fixed_divergence(const struct run *run, struct buffer *text)
         put_shorter_step(run, 1 / rate, true, text);
     } else {
         buffer_put(text, fate_of(run) == SOLUTION_GOES_ON
-                             ? TEXT("steps of this size lead out of the range of numbers, the "
-                                    "solution goes on")
-                             : TEXT("the state left the range of numbers; it is not known whether "
+                             ? TEXT("with steps of this size the state exceeds the range of "
+                                    "numbers, but the solution continues")
+                             : TEXT("the state exceeds the range of numbers; it is unknown whether "
                                     "the solution does"));
         put_shorter_step(run, dt / 10, false, text);
     }
@@ -297,7 +297,7 @@ static void explain_no_solution(const struct run *run, struct buffer *text)
     if (has_no_jacobian(run)) {
         buffer_format(text,
                       "the equations have an infinite slope there, and %s needs their Jacobian; "
-                      "try a method that does not, as dopri5",
+                      "try a method that does not, such as dopri5",
                       run->method->row.name);
         return;
     }
@@ -305,7 +305,7 @@ static void explain_no_solution(const struct run *run, struct buffer *text)
     if (run->plan.adaptive) {
         buffer_format(text, " by any step, however short%s",
                       fate_of(run) == SOLUTION_GOES_ON
-                          ? ", where the solution goes on; try a smaller tol"
+                          ? ", although the solution continues; try a smaller tol"
                           : "");
     } else {
         put_shorter_step(run, run->settings.dt / 2, false, text);
@@ -322,13 +322,13 @@ static void explain_stall(const struct run *run, struct buffer *text)
     buffer_short(text, run->settings.tol, 3);
     buffer_put(text, TEXT(" is below the rounding of t"));
     if (fabs(run->system.t0) > T0_LARGE * way)
-        buffer_put(text, TEXT(", which is large; let time begin near 0 (t0)"));
+        buffer_put(text, TEXT(", which is large; choose t0 near 0"));
     else if (run->settings.tol < TOL_SMALL)
         buffer_put(text, TEXT("; try a larger tol"));
     else if (fate_of(run) == SOLUTION_GOES_ON)
-        buffer_put(text, TEXT(", where the solution goes on; try a smaller tol"));
+        buffer_put(text, TEXT(", although the solution continues; try a smaller tol"));
     else
-        buffer_put(text, TEXT(": the equations may jump there, or have a singularity"));
+        buffer_put(text, TEXT("; the equations may jump there or have a singularity"));
 }
 
 /* Explains that the solution itself ends at a finite time. */
@@ -340,11 +340,11 @@ static void explain_singularity(const struct run *run, struct buffer *text)
     put_time(text, run->singular.t, 6);
     buffer_put(text, run->singular.finite ? TEXT(": ") : TEXT(" (a finite-time blow-up): "));
     if (is_past_singularity)
-        buffer_put(text, TEXT("what the method gives beyond means nothing"));
+        buffer_put(text, TEXT("results of the method after that time are meaningless"));
     else if (run->singular.finite && !run->system.autonomous)
-        buffer_put(text, TEXT("it may go on beyond, but no step gets past it"));
+        buffer_put(text, TEXT("it may continue later, but no step gets past that time"));
     else
-        buffer_put(text, TEXT("no method and no step gets past it"));
+        buffer_put(text, TEXT("no method and no step gets past that time"));
 }
 
 void run_explain(const struct run *run, struct buffer *text)
@@ -381,7 +381,7 @@ void run_explain(const struct run *run, struct buffer *text)
     case STOP_FULL:
         if (run_event_records(run) == LIMIT_EVENT_RECORDS) {
             buffer_format(text,
-                          ": %d events were noticed, more are not kept; watch for something rarer",
+                          ": %d events were recorded, which is the limit; define a rarer event",
                           LIMIT_EVENT_RECORDS);
             break;
         }

@@ -257,8 +257,8 @@ static void add_computed(const struct run_scenario *s, const struct run_work *wo
     const bool adaptive = s->plan->adaptive;
     char steps[80];
     if (adaptive && work->tried > 0 && !work->whole)
-        snprintf(steps, sizeof steps, "about %.0f steps (by the first %lld)", work->steps,
-                 (long long)work->tried);
+        snprintf(steps, sizeof steps, "about %.0f steps (estimated from the first %lld)",
+                 work->steps, (long long)work->tried);
     else
         snprintf(steps, sizeof steps, "%.15g step%s", work->steps, work->steps == 1 ? "" : "s");
     list_add(list, steps_price(s, work), steps);
@@ -266,8 +266,8 @@ static void add_computed(const struct run_scenario *s, const struct run_work *wo
     list_add(list, (typed_lines(s->system->model) > 0 ? setting_up_typed : setting_up) + summary,
              "set-up and summary");
     list_add(list, strange_price(s, work), "steps across singularities");
-    list_add(list, bursts_price(s, work), "look for short pulses");
-    list_add(list, unresolved_price(s, work), "look for forces faster than steps");
+    list_add(list, bursts_price(s, work), "search for short pulses");
+    list_add(list, unresolved_price(s, work), "search for forces faster than steps");
     if (shows_balance(s, work)) {
         const char *purpose;
         if (keeps_balance(s, work))
@@ -370,12 +370,12 @@ static void add_left_out(const struct run_scenario *s, const struct run_work *wo
         add_columns(s, COLUMNS_BALANCE, rows * column, "", list);
     else if (s->system->energy)
         add_columns(s, COLUMNS_BALANCE, balance_price(s, work),
-                    has_apart_rows(s, work) ? " (by taking the steps again)" : "", list);
+                    has_apart_rows(s, work) ? " (by repeating the steps)" : "", list);
     add_columns(s, COLUMNS_EXACT, rows * exact_state_price(s->system), "", list);
     add_columns(s, COLUMNS_PLAIN, rows * column, ", each", list);
     if (!run_is_never_singular(s->system))
         list_add(list, follow_price(s, work),
-                 "search for a singularity (if the run fails or a step looks strange) up to");
+                 "search for a singularity (if the run fails or a step is suspicious) up to");
     if (s->plan->adaptive && s->opinion == 0)
         list_add(list, NAN, "second solution (set opinion off)");
     if (!s->plan->adaptive && s->system->order == 2 && s->system->oscillator.whole)
@@ -386,8 +386,7 @@ void run_prices_describe(const struct run_scenario *s, const struct run_work *wo
                          struct buffer *text)
 {
     struct list computed = {.of_the_run = true, .note = ""},
-                left_out = {.note = "; what a pane, a file, a report or a measure shows is "
-                                    "computed then"};
+                left_out = {.note = "; computed on demand"};
     if (isnan(work->steps))
         return;
     add_computed(s, work, &computed);

@@ -141,7 +141,7 @@ static bool check_pure(struct compiler *c, const char *what, const struct typed_
         return true;
     struct buffer name = {0};
     dimension_put(dimension, &name);
-    error_at(c->error, a->text, "%s takes a number, not '%.*s' (%s)", what, shown_length(a->text),
+    error_at(c->error, a->text, "%s needs a number, not '%.*s' (%s)", what, shown_length(a->text),
              a->text.data, buffer_view(&name));
     buffer_free(&name);
     return false;
@@ -203,7 +203,7 @@ static bool call_dimension(struct compiler *c, const struct function *function,
         return true;
     }
     if (rule == FUNCTION_ANGLE && dimension_counts_cycles(&a->dimension)) {
-        error_at(c->error, a->text, "%s takes radians, '%.*s' is in cycles", name,
+        error_at(c->error, a->text, "%s needs radians, but '%.*s' is in cycles", name,
                  shown_length(a->text), a->text.data);
         return error_hint(c->error, "for that number of cycles write %s(2*pi*%.*s)", name,
                           shown_length(a->text), a->text.data);

@@ -31,7 +31,8 @@ static const struct preset rows[] = {
      .value = {{"C", 0.585}, {"area", 1.131e-2}, {"length", 0.12}}},
     /* Amplitude less by 4 friction / k = 2.14 mm a period; at rest 0.357 mm off after 47 half
        swings, 27.9 s. */
-    {.row = {"dry-friction", "", "the amplitude falls by 4 friction/k a period, until it sticks",
+    {.row = {"dry-friction", "",
+             "the amplitude falls by 4 friction/k per period, until the body sticks",
              "Coulomb 1785", NULL},
      .value = {{"k", 5.6}, {"friction", 3e-3}},
      .duration = 30},
@@ -108,8 +109,8 @@ static const struct preset rows[] = {
      .tol = 1e-9},
 
     /* A stiff system: slow motion decides accuracy, fast motion limits an explicit step. */
-    {.row = {"stiff-spring", "", "k/m = 1e12: 159155 swings a second, damped within a few seconds",
-             "", NULL},
+    {.row = {"stiff-spring", "",
+             "k/m = 1e12: 159155 swings per second, damped within a few seconds", "", NULL},
      .value = {{"m", 1}, {"k", 1e12}, {"y0", 1}, {"gamma", 1}},
      .duration = 1e-3,
      .first = 1e-8},

@@ -83,7 +83,8 @@ static bool typed_is_complete(const struct typed *typed, struct error *error)
 {
     if (!typed->base && typed->model.n == 0) {
         error_set(error, ERROR_COMMAND, "the scene has no variable yet");
-        return error_hint(error, "'var x = 1' makes one, 'x' = EXPR' or 'x'' = EXPR' is its law");
+        return error_hint(error,
+                          "'var x = 1' makes one, 'x' = EXPR' or 'x'' = EXPR' gives its law");
     }
     if (typed->incomplete < 0)
         return true;
@@ -178,10 +179,9 @@ static bool refuse_potential(const struct system *system, const double *y, int i
     char got[REAL_TEXT_SIZE], wanted[REAL_TEXT_SIZE];
     real_format(slope, got);
     real_format(force, wanted);
-    error_set(
-        error, ERROR_COMMAND,
-        "the potential does not belong to the force: at %s, -dV/d%s is %s but the force is %s",
-        state_text.data ? state_text.data : "?", name, got, wanted);
+    error_set(error, ERROR_COMMAND,
+              "the potential does not match the force: at %s, -dV/d%s is %s but the force is %s",
+              state_text.data ? state_text.data : "?", name, got, wanted);
     buffer_free(&state_text);
     return error_hint(error, "-dV/dx (V in joules) must be the part of the force that depends on "
                              "positions only; without a potential the force counts as work");

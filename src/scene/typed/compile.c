@@ -215,7 +215,7 @@ static bool check_mechanics(const struct compile *c, const unsigned *depends)
     const struct typed_line *force = first_line(typed, TYPED_FORCE),
                             *potential = first_line(typed, TYPED_POTENTIAL);
     if ((force || potential) && typed->model.order != 2 && typed->incomplete < 0) {
-        error_set(c->error, ERROR_COMMAND, "a %s is for scenes of second order",
+        error_set(c->error, ERROR_COMMAND, "a %s needs a scene of second order",
                   force ? "force" : "potential");
         return error_hint(c->error, "every variable x needs x'' = EXPR");
     }

@@ -278,7 +278,7 @@ static bool declare_unknown(struct compile *c, const struct typed_line *line)
     if (u->equation && u->equation->order == 1)
         return !u->speed ||
                error_at(c->error, u->equation->expr,
-                        "%.*s has an initial velocity: it needs %.*s'' = …", (int)line->name.len,
+                        "%.*s has an initial velocity, so it needs %.*s'' = …", (int)line->name.len,
                         line->name.data, (int)line->name.len, line->name.data);
     return declare_velocity(c, u);
 }

@@ -251,7 +251,7 @@ void history_label(const struct session *session, size_t index, char label[LIMIT
     const bool there = index >= session->history.first && index < session->history.count;
     safe_text(&text,
               there ? text_trim(history_text(session, history_entry(session, index)))
-                    : TEXT("a statement that is no longer kept"),
+                    : TEXT("a statement that was dropped"),
               false);
     size_t len = text.len <= LIMIT_NAME ? text.len : LIMIT_NAME - 3;
     while (len < text.len && len > 0 && ((unsigned char)text.data[len] & 0xc0) == 0x80)
@@ -291,7 +291,7 @@ static bool fail_to_append(const struct session *session, const struct error *wh
     struct buffer path = {0};
     safe_text(&path, text_of(session->transcript.path), false);
     error_set(error, ERROR_IO, "cannot append to %.200s: %s%s%s", buffer_view(&path), why->text,
-              *statement ? "; the recording of commands ends before: " : "", statement);
+              *statement ? "; commands are recorded only up to: " : "", statement);
     buffer_free(&path);
     return false;
 }

@@ -75,9 +75,9 @@ bool journal_add(struct run_slot *slot, struct request request, struct text cond
                  struct error *error)
 {
     if (journal_count(slot->last) >= LIMIT_REQUESTS) {
-        error_set(error, ERROR_COMMAND, "run %d was gone on with and changed %d times already",
+        error_set(error, ERROR_COMMAND, "run %d has already been continued and changed %d times",
                   slot->run->number, LIMIT_REQUESTS);
-        return error_hint(error, "start another one: run");
+        return error_hint(error, "start a new one: run");
     }
     struct request *made = malloc(sizeof *made);
     if (!made)

@@ -325,8 +325,7 @@ bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], s
 {
     if ((back ? session->undo.undos : session->undo.redos) == 0) {
         error_set(error, ERROR_COMMAND, "nothing to %s", back ? "undo" : "redo");
-        return error_hint(
-            error, "settings that only show are not undone: 'unset NAME' gives one its default");
+        return error_hint(error, "display settings are not undone; 'unset NAME' resets one");
     }
     /* the present state replaces the target, so that redo (or undo) can return to it */
     struct snapshot **slot = &session->undo.state[session->undo.undos - back], *target = *slot;
@@ -352,7 +351,7 @@ bool checkpoint_make(struct session *session, const char *name, struct error *er
            strcmp(session->undo.checkpoint[index]->label, name) != 0)
         index++;
     if (index == LIMIT_CHECKPOINTS)
-        return error_set(error, ERROR_COMMAND, "%d checkpoints are kept already",
+        return error_set(error, ERROR_COMMAND, "there are already %d checkpoints",
                          LIMIT_CHECKPOINTS);
     struct snapshot *snapshot = snapshot_take(session, name);
     if (!snapshot)

@@ -61,7 +61,7 @@ ok "so it is where the clock tells the time of day" $? "$(cat clock.json)"
 [ $? -eq 1 ] && grep -q 'works only with a damped sine' out.txt
 ok "--live works only with a damped sine only" $? "$(cat out.txt)"
 "$hooke" -n -c 'fit --live window=0:3' >out.txt 2>&1
-[ $? -eq 1 ] && grep -q 'takes no other arguments' out.txt
+[ $? -eq 1 ] && grep -q 'cannot have other arguments' out.txt
 ok "and all of it" $? "$(cat out.txt)"
 # ---- calibrated
 held() { awk 'BEGIN { srand(3); print "time (s),distance (cm)"; for (i = 0; i < 500; i++) { t = i / 50

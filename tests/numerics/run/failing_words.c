@@ -59,7 +59,7 @@ static void judge(const struct failing *c, const struct run *run, const char *wo
                   const char *what)
 {
     const bool infinite = says(words, "goes to infinity"), slope = says(words, "infinite slope"),
-               grows = says(words, "itself grows"), on = says(words, "the solution goes on");
+               grows = says(words, "itself grows"), on = says(words, "the solution continues");
     const bool near = fabs(run->singular.t - c->t) <= 1e-3 * fabs(c->t);
     const bool false_words =
         (infinite && !(c->truth == POLE && near)) ||

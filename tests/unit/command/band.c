@@ -415,7 +415,7 @@ TEST(test_refusals)
     type_ok(&bench, "adopt; run 3 s; change v=0; continue 1 s");
     refused(&bench, "plot position --band", "the run was changed after its start");
     type_ok(&bench, "scene pendulum; run 1 s");
-    refused(&bench, "plot position --band", "one of another scene");
+    refused(&bench, "plot position --band", "belongs to another scene");
     bench_close(&bench);
 }
 

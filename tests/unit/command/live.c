@@ -310,7 +310,7 @@ TEST(a_typed_scene_changes_on_the_way)
     type_ok(&w.bench, "c = 1");
     assert_null(strstr(said(&w.bench.out), "from t"));
     type(&w.bench, "change c 2");
-    assert_says(&w.bench.err, "run 1 has no c: that came later");
+    assert_says(&w.bench.err, "run 1 has no c, which was defined later");
     type_ok(&w.bench, "continue");
     const struct run *run = w.bench.session->runs.slot[0]->run;
     assert_true(run->t == 5 && run_event_records(run) > 1);
@@ -322,7 +322,7 @@ TEST(a_typed_scene_changes_on_the_way)
     bench_close(&b);
     type_ok(&w.bench, "scene pendulum");
     type(&w.bench, "change g 3");
-    assert_says(&w.bench.err, "run 1 is one of ball, the scene is now pendulum");
+    assert_says(&w.bench.err, "run 1 belongs to ball, but the scene is now pendulum");
     bench_close(&w.bench);
 }
 

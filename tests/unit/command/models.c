@@ -149,7 +149,7 @@ TEST(what_can_change_on_the_way)
             if (type(&b, line) != !is_start)
                 fail_msg("%s of %s: %s", line, preset_at(p)->row.name, said(&b.err));
             if (is_start)
-                assert_says(&b.err, "is where a run starts");
+                assert_says(&b.err, "is an initial value");
             else
                 assert_says(&b.out, " from t = ");
         }

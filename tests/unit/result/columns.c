@@ -218,9 +218,9 @@ TEST(a_table_leaves_out_columns_by_rank)
         {28,
          "name error status phase ns\na    0.1   ok     3 deg 17\nlong 0.2   lost   4 deg 18\n"},
         {24, "name error status phase\na    0.1   ok     3 deg\nlong 0.2   lost   4 deg\n"},
-        {20,
-         "name error status\na    0.1   ok\nlong 0.2   lost\nleft out for want of\nroom: phase\n"},
-        {14, "name status\na    ok\nlong lost\nleft out for\nwant of room:\nphase, error\n"},
+        {20, "name error status\na    0.1   ok\nlong 0.2   lost\nleft out because of\nthe width: "
+             "phase\n"},
+        {14, "name status\na    ok\nlong lost\nleft out\nbecause of the\nwidth: phase,\nerror\n"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct arena arena = {0};

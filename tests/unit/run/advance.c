@@ -227,8 +227,8 @@ TEST(test_divergence)
 
     run = start(&scene, "euler", (struct run_settings){.dt = 0.2}, 1e4);
     go_to(run, 1e4);
-    explain(run, "euler is unstable on an undamped oscillator for every dt (growth 2 a step); try "
-                 "symplectic-euler");
+    explain(run, "euler is unstable on an undamped oscillator for every dt (growth 2 per step); "
+                 "try symplectic-euler");
     run_destroy(run);
 
     set(&scene, "k", -15);

@@ -154,7 +154,7 @@ TEST(test_kepler)
 
     struct scene other = preset_named("spring");
     assert_false(run_rebind(run, &other, &error));
-    assert_non_null(strstr(error.text, "a run of kepler cannot go on as oscillator"));
+    assert_non_null(strstr(error.text, "a run of kepler cannot continue as oscillator"));
     /* A heavier sun from here on: the exact solution goes on from its own state. */
     put(&scene, "gm", 1.1);
     assert_true(run_rebind(run, &scene, &error));

@@ -217,7 +217,7 @@ TEST(test_mistakes)
                    "'1 cm' (length) and '5' (number) do not add: a unit belongs to the number "
                    "before it",
                    "1 cm + 5", "write 1 cm + 5 cm");
-    expect_mistake("2^3 cm", "an exponent takes a number, not '3 cm' (length)", "3 cm",
+    expect_mistake("2^3 cm", "an exponent needs a number, not '3 cm' (length)", "3 cm",
                    "this means 2^(3 cm); if you mean (2^3) cm, write the parentheses");
     expect_mistake("y cm", "a unit may follow a number or a parenthesis, not 'y'", "cm", "(y) cm");
     expect_mistake("(5 cm) mm", "a value has one unit: '(5 cm)' has cm", "mm", "");
@@ -227,7 +227,7 @@ TEST(test_mistakes)
     expect_mistake("2 cm ^ 3", "unknown unit 'cm^3': cm is one", "cm ^ 3", "(2 cm)^3");
     expect_mistake("2 cm^(3)", "unknown unit 'cm^': cm is one", "cm^", "(2 cm)^");
     expect_mistake("9.81 m/s2", "unknown unit 'm/s2'", "m/s2", "the unit is written m/s^2");
-    expect_mistake("sin(3 cm)", "sin takes a number, not '3 cm' (length)", "3 cm", "");
+    expect_mistake("sin(3 cm)", "sin needs a number, not '3 cm' (length)", "3 cm", "");
     expect_mistake("sin()", "sin takes 1 argument", "sin()", "");
     expect_mistake("2 + sin(1, 2) + 3", "sin takes 1 argument", "sin(1,", "");
     expect_mistake("hypot(1)", "hypot takes 2 arguments", "hypot(1)", "");

@@ -234,7 +234,7 @@ static void test_potential_is_checked(void **state)
     assert_false(f->system.conservative);
     type(f, LINES("potential k*x^2/2 + y^2/2 + x^2*y/2"));
     assert_false(scene_bind(&f->scene, &f->system, &f->error));
-    assert_non_null(strstr(f->error.text, "does not belong to the force: at x = "));
+    assert_non_null(strstr(f->error.text, "does not match the force: at x = "));
     type(f, LINES("potential k*x^2/2"));
     assert_false(scene_bind(&f->scene, &f->system, &f->error));
 }

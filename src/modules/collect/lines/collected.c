@@ -380,7 +380,7 @@ static void warn_clock(struct recording *recording, const struct collected *coll
         recording_warn(recording, "the device sends no times and its lines arrive unevenly, so the "
                                   "arrival times are used");
     if (collected->lost > 0)
-        recording_warn(recording, "%zu %s lost on the way", collected->lost,
+        recording_warn(recording, "%zu %s lost", collected->lost,
                        collected->lost == 1 ? "line was" : "lines were");
     if (!collected->lost_known) {
         const char *const more = collected->lost > 0 ? "more " : "";

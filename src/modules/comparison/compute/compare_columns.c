@@ -48,7 +48,7 @@ void compared_too_long(struct compared_row *row, const struct method_choice *cho
         .data_rms = NAN,
         .too_long = true};
     snprintf(row->comparison.verdict, sizeof row->comparison.verdict,
-             "not run: its %.3g steps would take about %.2g s; --force runs it all the same", steps,
+             "not run: its %.3g steps would take about %.2g s; --force runs it anyway", steps,
              seconds);
 }
 

@@ -207,7 +207,7 @@ bool xml_tables(struct text document, const char *shown, struct contents *conten
     if (done && !tables.known) {
         done = refuse_strange(&tables);
     } else if (done && contents->parts == 0) {
-        done = error_set(error, ERROR_IO, "%s holds no columns of numbers", shown);
+        done = error_set(error, ERROR_IO, "%s has no columns of numbers", shown);
     }
     clear_columns(&tables);
     buffer_free(&tables.set);

@@ -54,7 +54,7 @@ bool band_of_run(const struct session *session, const struct run *run, struct te
     if (!adopted->scene.model)
         return refuse_band(where, error, "there is no adopted fit, so no uncertainty can be drawn");
     if (run->scene.model != adopted->scene.model)
-        return refuse_band(where, error, "the adopted fit is one of another scene than the run");
+        return refuse_band(where, error, "the adopted fit belongs to another scene than the run");
     for (int i = 0; i < (int)scene_params(&run->scene)->count; i++)
         if (run->scene.value[i] != adopted->scene.value[i])
             return refuse_value(session, run, i, where, error);

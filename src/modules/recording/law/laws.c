@@ -24,7 +24,7 @@ static const struct drag_law_row rows[] = {
      LAW_LINEAR | LAW_QUADRATIC},
     {{"dry", "", "Coulomb friction, with sticking", "y'' + f sign(y') + omega0^2 y = 0", NULL},
      LAW_DRY},
-    {{"linear+dry", "", "a rail with air", "y'' + gamma y' + f sign(y') + omega0^2 y = 0", NULL},
+    {{"linear+dry", "", "an air track", "y'' + gamma y' + f sign(y') + omega0^2 y = 0", NULL},
      LAW_LINEAR | LAW_DRY},
     {{"quadratic+dry", "", "a disk with a rubbing guide",
       "y'' + b|y'|y' + f sign(y') + omega0^2 y = 0", NULL},

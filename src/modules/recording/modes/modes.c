@@ -382,7 +382,7 @@ static bool modes_are_certain(const struct modes_fitting *f, const struct modes_
             error_set(error, ERROR_NUMERICAL,
                       "the line at %.5g Hz is not above the noise around it",
                       modes->mode[k].frequency.value);
-            return error_hint(error, "look at it: plot spectrum");
+            return error_hint(error, "type: plot spectrum");
         }
     }
     return true;

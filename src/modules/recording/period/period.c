@@ -172,7 +172,7 @@ static bool part_period(const struct series *series, const struct swing *swing, 
         !(sine_period(&part, &m, arena, period) || damped_sine_period(&m, period)))
         return false;
     snprintf(period->warning, sizeof period->warning,
-             "only a part of it is an oscillation; T is measured from t = %.6g to %.6g s",
+             "only part of it is an oscillation; T is measured from t = %.6g to %.6g s",
              swing->window[0], swing->window[1]);
     return true;
 }

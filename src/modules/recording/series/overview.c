@@ -460,7 +460,7 @@ bool motion_refuse_known(const struct motion *m, const struct mode_pair *pair,
     }
     if (swing) {
         error_set(error, ERROR_COMMAND,
-                  "only a part of it is an oscillation: T = %.4g s from t = %.6g to %.6g s",
+                  "only part of it is an oscillation: T = %.4g s from t = %.6g to %.6g s",
                   swing->period, swing->window[0], swing->window[1]);
         return error_hint(error, "add: window=%.9g:%.9g", swing->window[0], swing->window[1]);
     }
