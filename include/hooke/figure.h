@@ -109,9 +109,9 @@ double heat_edge(const struct heat_axis *axis, int i);
 
 /* A heat map; owns nothing. */
 struct heat {
-    /* Title, and unit of the values; number shown = value / factor. */
+    /* Title, and unit of the values. */
     const char *title, *unit;
-    double factor;
+    double factor;         /* Number shown = value / factor. */
     struct heat_axis x, y; /* Axes; y points up. */
     const double *value;   /* [x.count][y.count] values; NAN is shown as missing. */
     /* Letters for the values -1, 0, 1, …; the last one also stands for all larger values. NULL
@@ -251,8 +251,8 @@ const struct curve *figure_band(const struct figure *figure);
 
 /* Tick positions: `count` ticks at first + i step, count = 0 if the range is empty. */
 struct ticks {
-    double first, step;
-    int count, decimals;
+    double first, step;  /* First tick and distance of ticks, in displayed numbers. */
+    int count, decimals; /* Number of ticks, and of decimals of their labels. */
     /* Labels are (value - offset) / 10^exponent, with `decimals` decimals; mostly 0. */
     int exponent;
     /* Offset that is subtracted from long labels of a narrow range and shown in the title; mostly
@@ -286,9 +286,9 @@ struct figure_layout {
     const struct charset *charset;
     /* Parts that fit. */
     bool frame, x_labels, y_labels;
-    int gutter;                   /* Width [column] of the y labels. */
-    int left, top, columns, rows; /* [cell] position of the plot in the rectangle, and its size */
-    struct scale x, y;
+    int gutter;                    /* Width [column] of the y labels. */
+    int left, top, columns, rows;  /* [cell] position of the plot in the rectangle, and its size */
+    struct scale x, y;             /* Scales of the axes. */
     struct ticks x_ticks, y_ticks; /* Ticks, in displayed numbers (value / factor). */
     bool x_decades, y_decades;     /* Ticks are powers of ten. */
     /* Number of values that a logarithmic axis does not show: <= 0, or below axis.min. */
@@ -304,6 +304,7 @@ struct figure_panel {
      * overlap */
     int x, y, width, height;
 };
+/* Largest number of panels of a figure. */
 #define PANELS_MAX 2
 /* Splits a figure into panels, with aligned labels if panels share an axis, and returns their
  * number: one if there is no room for two. */

@@ -15,9 +15,9 @@ struct catalog;
 struct command;
 struct completion;
 struct figure;
-struct reader; /* hooke/session/read.h */
+struct reader; /* <hooke/session/read.h> */
 struct reply;
-struct stored;      /* hooke/session/stored.h */
+struct stored;      /* <hooke/session/stored.h> */
 struct store_tools; /* there, too */
 
 /* Reads scenes of another program, for `load scene FILE`. */
@@ -79,14 +79,17 @@ struct module_store {
 struct module_labels {
     /* Returns true if the word has the form of a label; NULL if the module has no labels. */
     bool (*is_label)(struct text word);
+    /* Offers the labels that exist. */
     void (*complete)(struct completion *completion);
+    /* Goes back to the result with the label of `use`. Returns false with `error` set. */
     bool (*use)(struct session *session, const struct arguments *arguments, struct reply *reply,
                 struct error *error);
 };
 
 /* Work of the module that was stopped, which `continue` resumes instead of the run. */
 struct module_stopped {
-    bool (*waits)(const struct session *session); /* NULL if the module has no such work */
+    /* Returns true if there is stopped work; NULL if the module has no such work. */
+    bool (*waits)(const struct session *session);
     /* Resumes the work, which can be stopped and resumed again. Returns false with `error` set. */
     bool (*go_on)(struct session *session, const struct arguments *arguments, struct reply *reply,
                   struct error *error);
@@ -125,7 +128,7 @@ struct module_option {
     int (*run)(struct session *session, const char *const *word, int words, struct reply *reply);
 };
 
-/* A module. NULL or 0 where it has no such part. */
+/* A module, an element of module_list. Members that it does not use are NULL or 0. */
 struct module {
     struct row row;    /* Its name, that of its folder, and its purpose. */
     const char *needs; /* Names of modules without which it is not built, separated by blanks. */

@@ -36,9 +36,8 @@ struct events;
 /* Everything of which a new run is made; plain data that undo copies. */
 struct setup {
     struct scene scene;
-    const struct preset
-        /* [owns] named scenes whose equations are all typed, as they were when last changed. */
-        *own[LIMIT_OWN];
+    /* [owns] named scenes whose equations are all typed, as they were when last changed. */
+    const struct preset *own[LIMIT_OWN];
     int owns;
     const struct events *events; /* Events of the next run, or NULL. */
     const struct method *method;

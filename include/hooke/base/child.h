@@ -15,12 +15,13 @@ struct child {
     /* Does the work in the copy: appends its result to `output` and returns true, or returns false
      * with `error` set. Other changes of memory are lost. */
     bool (*work)(const void *context, struct buffer *output, struct error *error);
-    /* Returns true if the work must stop; child_run() calls it every 20 ms. NULL means never. */
+    /* Returns true if the work must stop; child_run() calls it every 20 ms, and the work itself may
+     * call it. NULL means never. */
     bool (*stopped)(const void *context);
     /* Argument of work() and stopped(). */
     const void *context;
     const char *what; /* Beginning of the messages of failures: "the picture could not be drawn". */
-    double patience;  /* Time [s] without output after which the copy is killed. */
+    double patience;  /* Total time [s] without output after which the copy is killed. */
 };
 
 /*

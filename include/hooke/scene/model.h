@@ -184,8 +184,8 @@ struct model {
     /* Number of state variables. */
     int n;
     const struct variable *variable; /* [n] state variables. */
-    const struct catalog *params, *terms,
-        *derived; /* Rows of struct param_row, struct term_row and struct derived_row. */
+    /* Rows of struct param_row, struct term_row and struct derived_row. */
+    const struct catalog *params, *terms, *derived;
     /* Checks rules that concern several parameters [SI]; returns false with `error` set. NULL if
      * there are none. */
     bool (*coherent)(const double *param, struct error *error);
