@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* Types of arguments (types.def): how each is read from a statement, and completed. */
+/* Types of arguments, rows of src/language/types.def. Each has a function that reads an item of
+ * this type from a statement, and one that offers completions. */
 #include <hooke/run.h>
 #include <hooke/method.h>
 #include <hooke/data.h>
@@ -9,21 +10,26 @@
 #include <hooke/language/complete.h>
 #include <hooke/scene/formula.h>
 #include <hooke/module.h>
+#include "language/column_names.h"
 
 #include <stdio.h>
 #include <string.h>
-#include <strings.h>
 
-/* A reader fills `item` from the parser; `stops` end a word. Returns false with `error` filled. */
+/* Declares a reader: it takes an item off parser->rest and fills `item`; `stops` are characters
+ * that end a word. It returns false with `error` filled, and uses only some of its parameters. */
 #define UNUSED_OK __attribute__((__unused__))
 #define READ_ITEM(name)                                                                            \
     static bool name(UNUSED_OK struct parser *parser, UNUSED_OK const struct argument *argument,   \
                      UNUSED_OK const char *stops, UNUSED_OK struct item *item,                     \
                      UNUSED_OK struct error *error)
+/* Declares a completer: it offers candidates for an argument; `preceding` is the argument's text
+ * before the current word. */
 #define COMPLETE_ITEM(name)                                                                        \
     static void name(UNUSED_OK struct completion *c, UNUSED_OK const struct argument *argument,    \
                      UNUSED_OK struct text preceding)
 
+/* Returns false with an error if the argument must be positive and the value is not. A comma behind
+ * the number suggests that a decimal comma was typed. */
 static bool check_positive(const struct parser *parser, const struct argument *argument,
                            const struct item *item, struct error *error)
 {
@@ -37,6 +43,8 @@ static bool check_positive(const struct parser *parser, const struct argument *a
     return false;
 }
 
+/* Sets item->row and item->index to the row of the argument's catalog named by item->text. Returns
+ * false with an error that lists the choices if they are few. */
 static bool choose_row(struct parser *parser, const struct argument *argument, struct item *item,
                        struct error *error)
 {
@@ -63,6 +71,7 @@ READ_ITEM(read_choice)
     return parse_word(parser, stops, item, error) && choose_row(parser, argument, item, error);
 }
 
+/* Reads the name of a scene: one of the user's own, a preset, or "new" (row NULL). */
 READ_ITEM(read_scene)
 {
     const struct setup *setup = &parser->session->setup;
@@ -84,6 +93,7 @@ READ_ITEM(read_scene)
                : error_hint(error, "'list scenes' lists them; scene new begins one of your own");
 }
 
+/* Reads the number or the name of a run into item->index, or "all" (-1) where it is allowed. */
 READ_ITEM(read_run)
 {
     if (!parse_word(parser, ",", item, error))
@@ -130,6 +140,7 @@ READ_ITEM(read_kept)
     return read_run(parser, argument, stops, item, error);
 }
 
+/* Reads the name of a recording into item->index. */
 READ_ITEM(read_recording)
 {
     const struct session *session = parser->session;
@@ -148,55 +159,12 @@ READ_ITEM(read_recording)
                                : error_hint(error, "type: load FILE");
 }
 
-/* Returns true if a typed scene, of the session or of a run, has this variable or observed one. */
-static bool is_typed_variable(const struct session *session, struct text name)
-{
-    bool known = false;
-    for (int i = -1; i < session->runs.count && !known; i++) {
-        const struct model *model =
-            i < 0 ? session->setup.scene.model : session->runs.slot[i]->run->system.model;
-        known = model->typed &&
-                (model_variable(model, name) >= 0 || model_observation(model, name) >= 0);
-    }
-    return known;
-}
-
-/* Returns true if a table that a study left has a column of this name. */
-static bool is_found_column(const struct session *session, struct text name)
-{
-    const struct table_store *found = &session->studies.found;
-    for (int i = 0; i < found->count; i++)
-        for (int c = 0; c < found->table[i]->table.columns; c++)
-            if (text_is(name, found->table[i]->table.column[c].name))
-                return true;
-    return false;
-}
-
-/* Returns true if the rest of the statement contains the word `of`, outside of strings. */
-static bool rest_contains_of(struct text rest)
-{
-    for (struct text word; (rest = text_trim(rest)).len > 0;) {
-        word = peek_word(rest, "");
-        if (text_is(word, "of"))
-            return true;
-        size_t used = 0;
-        while (used < word.len && !strchr("'\"", rest.data[used]))
-            used++;
-        const struct text string = {rest.data + used, rest.len - used};
-        if (string.len && strchr("'\"", string.data[0]))
-            used += text_quoted(string);
-        used = used ? used : 1;
-        rest = text_after(rest, used);
-    }
-    return false;
-}
-
 /* Reads a quantity to plot: a choice, an observable, a variable, or a column of a table. */
 READ_ITEM(read_column)
 {
     if (!parse_word(parser, ",", item, error))
         return false;
-    if ((argument->flags & ARG_OF) && rest_contains_of(parser->rest))
+    if ((argument->flags & ARG_OF) && statement_has_of(parser->rest))
         return true;
     const struct row *choice =
         argument->choices ? catalog_find(argument->choices, item->text) : NULL;
@@ -209,11 +177,11 @@ READ_ITEM(read_column)
     for (const struct model *const *model = scene_models; *model; model++)
         if (item->row || model_variable(*model, item->text) >= 0)
             return true;
-    if (is_typed_variable(parser->session, item->text))
+    if (session_has_typed_variable(parser->session, item->text))
         return true;
     if (argument->flags & ARG_OF && argument->choices) { /* a method or a column of a study */
         item->row = catalog_find(&method_catalog, item->text);
-        if (item->row || is_found_column(parser->session, item->text))
+        if (item->row || session_has_found_column(parser->session, item->text))
             return true;
     }
     if (argument->choices)
@@ -221,6 +189,7 @@ READ_ITEM(read_column)
     return catalog_unknown(&observable_catalog, item->text, error);
 }
 
+/* Reads a comparison, such as y < 0, compiled into item->condition. */
 READ_ITEM(read_condition)
 {
     struct condition *condition = arena_alloc(parser->arena, sizeof *condition);
@@ -278,6 +247,7 @@ READ_ITEM(read_side)
     return true;
 }
 
+/* Reads the model of a fit: a string, the name of one, or a formula such as a + b*t. */
 READ_ITEM(read_model)
 {
     struct error why = {0};
@@ -328,6 +298,7 @@ READ_ITEM(read_size)
     return parse_sides(parser, argument->name, stops, item, error);
 }
 
+/* Reads an expression with its value, or a string that is kept as text. */
 READ_ITEM(read_expr)
 {
     return strchr("'\"", parser->rest.data[0])
@@ -335,6 +306,7 @@ READ_ITEM(read_expr)
                : parse_value(parser, "the expression", QUANTITY_OTHER, item, error);
 }
 
+/* Reads a unit of the catalog, or a compound one, which the module `recording` knows. */
 READ_ITEM(read_unit)
 {
     if (!parse_word(parser, stops, item, error))
@@ -349,6 +321,7 @@ static void parser_advance(struct parser *parser, size_t used)
     parser->rest = text_after(parser->rest, used);
 }
 
+/* Reads a name that is to be defined or set. */
 READ_ITEM(read_name)
 {
     item->text = peek_name(parser->rest);
@@ -362,6 +335,7 @@ READ_ITEM(read_name)
     return true;
 }
 
+/* Reads the name of a parameter; item->index is -1 if the scene has none of this name. */
 READ_ITEM(read_param)
 {
     item->text = peek_name(parser->rest);
@@ -392,6 +366,7 @@ COMPLETE_ITEM(complete_expression)
     complete_value(c, TEXT(""), QUANTITY_OTHER, complete_operands);
 }
 
+/* Offers units after a number, else operands of expressions. */
 COMPLETE_ITEM(complete_quantity)
 {
     if (ends_in_digit(preceding))
@@ -433,6 +408,7 @@ COMPLETE_ITEM(complete_unit)
     complete_units(c, argument->quantity == QUANTITY_NUMBER ? QUANTITY_OTHER : argument->quantity);
 }
 
+/* Offers numbers and names of runs, and "all" where it is allowed. */
 COMPLETE_ITEM(complete_run)
 {
     for (int i = 0; i < c->session->runs.count; i++) {
