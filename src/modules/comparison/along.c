@@ -164,6 +164,7 @@ static bool reply_along(struct session *session, const struct contestant *contes
     return true;
 }
 
+/* Draws the errors of the compared or named methods along the run. */
 bool along_study(struct session *session, const struct row *const *method, int methods,
                  struct reply *reply, struct error *error)
 {

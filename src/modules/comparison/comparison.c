@@ -23,6 +23,7 @@ const struct precision *session_precision(const struct session *session)
     return part ? part->precision : NULL;
 }
 
+/* Fills in the methods that the statement names, each with its variant of drag. */
 bool choose_methods(const struct arguments *args, enum drag usual, struct method_choice *choice,
                     int *count, struct error *error)
 {
@@ -56,6 +57,7 @@ struct method_choice *methods_choice(const struct session *session, const struct
     return choice;
 }
 
+/* Moves lines to `text`, those wider than `width` [cells] broken into several. */
 void put_folded_lines(struct buffer *lines, int width, struct buffer *text)
 {
     enum { HANGING = 2 /* [cell] that what is continued begins further right */ };
@@ -79,6 +81,7 @@ void put_folded_lines(struct buffer *lines, int width, struct buffer *text)
     buffer_clear(lines);
 }
 
+/* Drops methods that are named twice with the same drag. Returns how many are left. */
 int drop_repeated(struct method_choice *choice, int count, struct reply *reply)
 {
     int left = 0;

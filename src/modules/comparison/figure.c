@@ -379,6 +379,7 @@ void precision_plot_legend(const struct session *session, int width, struct buff
     precision_legend(session_precision(session), width, text);
 }
 
+/* Turns letters into names for a picture, which has room for them. */
 bool precision_name_curves(const struct session *session, struct arena *arena,
                            struct figure *figure, struct error *error)
 {

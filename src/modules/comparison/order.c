@@ -115,6 +115,7 @@ static void put_orders(const struct session *session, const struct order *orders
     buffer_free(&lines);
 }
 
+/* Measures the order of methods and draws it (`plot order`), unless the stored one can be drawn. */
 bool order_study(struct session *session, const struct row *const *method, int methods,
                  struct reply *reply, struct error *error)
 {

@@ -57,6 +57,7 @@ static bool is_mixed(const struct precision *precision)
     return mixed;
 }
 
+/* Writes one table of points per method, or only that of the method `only`. */
 void precision_tables(const struct precision *precision, const struct method *only, int width,
                       struct arena *arena, struct buffer *output)
 {
@@ -92,6 +93,7 @@ void precision_overview(const struct precision *precision, struct buffer *output
     }
 }
 
+/* Writes the letters of all curves with their methods, as in "a euler b verlet". */
 void precision_legend(const struct precision *precision, int width, struct buffer *output)
 {
     int used = 0;
@@ -299,6 +301,7 @@ static void put_left_out(const struct precision *precision, const struct fastest
     buffer_free(&names);
 }
 
+/* Writes a table with the fastest methods for errors that are `step` decades apart. */
 void precision_winners(const struct precision *precision, int step, bool all, int width,
                        struct arena *arena, struct buffer *output)
 {
@@ -318,6 +321,7 @@ void precision_winners(const struct precision *precision, int step, bool all, in
         put_left_out(precision, row, count, output);
 }
 
+/* Adds the records of all points and of the fastest methods to the reply, and stores the points. */
 void reply_precision(const struct session *session, const struct precision *precision,
                      struct arena *arena, struct reply *reply)
 {

@@ -167,6 +167,7 @@ static void put_expansion(const struct local_error *result, struct buffer *outpu
     buffer_put(output, TEXT(" + ...\n"));
 }
 
+/* Writes all lines on the local error of one method: state, terms, table and summary. */
 static void put_local_error(const struct session *session, const struct local_error *result,
                             bool is_full, struct arena *arena, struct buffer *output)
 {
@@ -192,6 +193,7 @@ static void put_local_error(const struct session *session, const struct local_er
     buffer_free(&lines);
 }
 
+/* Measures the local error of each method and replies with lines, a result and records. */
 HANDLER(taylor)
 {
     const struct argument_value *at = argument_value(args, "at");

@@ -81,6 +81,7 @@ static void put_xpp_equations(struct scene_program *p)
     }
 }
 
+/* Writes a scene for XPPAUT. */
 bool program_xpp(struct scene_program *p)
 {
     const struct written *w = &p->written;
@@ -229,6 +230,7 @@ static void put_tex_values(struct scene_program *p)
     buffer_free(&symbol);
 }
 
+/* Writes a LaTeX document with equations, parameters and initial values. */
 bool program_tex(struct scene_program *p)
 {
     if (!tex_names(p))

@@ -178,6 +178,7 @@ static void put_name_and_unit(struct buffer *output, const char *label, double v
     buffer_format(output, "%s%s", unit[0] ? " " : "", unit);
 }
 
+/* Writes lines that say what the program computes, each begun by `prefix`. */
 void program_title(struct scene_program *p, const char *prefix)
 {
     const struct written *w = &p->written;

@@ -150,6 +150,7 @@ static void drop_unused_import(struct buffer *output)
     output->len -= len;
 }
 
+/* Writes a program in C, Python or for Octave, made from its template. */
 bool program_computes(struct scene_program *p)
 {
     const char *rest = strstr(template_of(p->dialect), "<<begin>>\n");

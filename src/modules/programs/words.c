@@ -402,6 +402,7 @@ static bool program_text_put(struct scene_program *p, struct text word)
     return false;
 }
 
+/* Writes what a word of a template denotes. Returns false if there is no such word. */
 bool program_word(struct scene_program *p, struct text word)
 {
     static const struct {

@@ -144,6 +144,7 @@ static bool read_count(struct parser *parser, struct text name, struct sweep_sec
            error_at(error, where, "%s= needs at least %d", skip ? "skip" : "keep", !skip);
 }
 
+/* Reads axes, event, measures and options of a statement; `rest` follows the word `sweep`. */
 bool read_sweep(struct session *session, const struct arguments *args, struct text rest,
                 struct sweep_request *request, struct sweep_options *options, struct error *error)
 {
@@ -244,6 +245,7 @@ static void reply_sweep(struct session *session, const struct swept *swept,
     arena_reset(&own);
 }
 
+/* Writes the points as CSV, below a line of column names. */
 bool sweep_rows(const struct sweep_request *request, const struct sweep *sweep, struct buffer *rows)
 {
     const struct swept swept = swept_of(request, sweep);
@@ -256,6 +258,7 @@ bool sweep_rows(const struct sweep_request *request, const struct sweep *sweep, 
     return ok && !rows->failed;
 }
 
+/* Returns the request before its statement is read. */
 struct sweep_request sweep_request_begin(struct session *session)
 {
     return (struct sweep_request){.scene = &session->setup.scene,
@@ -301,6 +304,7 @@ static bool sweep_in_memory(struct session *session, const struct arguments *arg
     return ok;
 }
 
+/* Reads, computes and answers a sweep; `previous` holds points that are finished already. */
 bool sweep_statement(struct session *session, const struct arguments *args, struct text statement,
                      const struct sweep *previous, struct reply *reply, struct error *error)
 {

@@ -5,6 +5,7 @@
 
 #include <string.h>
 
+/* Offers completions of `sweep`: events after `at`, measures after `measure=`. */
 bool sweep_complete(struct completion *c, const struct command *command, struct text prefix)
 {
     struct text name;

@@ -53,6 +53,7 @@ static bool take_sample(struct session *session, const struct sweep_request *req
     return ok;
 }
 
+/* Estimates time and size of a sweep from some of its points (`sweep ... --dry-run`). */
 bool sweep_cost(struct session *session, const struct sweep_request *request, struct reply *reply,
                 struct error *error)
 {

@@ -129,6 +129,7 @@ static void put_stretches(const struct swept *swept, int max, struct buffer *tex
     }
 }
 
+/* Writes a sweep at a section in text: its diagram, and how many points lack events. */
 void diagram_text(const struct session *session, const struct swept *swept, int rows,
                   struct arena *arena, struct buffer *text)
 {

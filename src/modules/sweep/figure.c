@@ -9,6 +9,7 @@ bool sweep_known(const struct session *session)
     return table_store_find(&session->studies.found, TEXT("sweep"));
 }
 
+/* Draws the last sweep: as a curve, an orbit diagram, or a map over two parameters. */
 bool sweep_figure(struct drawing *d, struct figure *figure)
 {
     const struct stored_table *found = table_store_find(&d->session->studies.found, TEXT("sweep"));

@@ -215,6 +215,7 @@ static void drop_incomplete_point(struct sweep_scan *scan)
     file->blocks -= --last->count == 0;
 }
 
+/* Reads a file, without a last point of which rows may be missing. */
 bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
 {
     struct sweep_scan scan = {.file = file, .error = error, .begun = file->blocks};
@@ -267,6 +268,7 @@ void sweep_file_sort(struct sweep_file *file)
 
 /* ---- writing ---- */
 
+/* Appends lines to the file and moves its end. */
 bool sweep_file_put(struct sweep_file *file, int fd, struct text lines, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -304,6 +306,7 @@ bool sweep_file_is_whole(const struct sweep_file *file, int64_t first, int64_t c
            file->seals == (count + cell - 1) / cell && file->size == file->end;
 }
 
+/* Copies all points in order, with head and seals, to the writer. */
 bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text head,
                            struct text seal, struct writer *writer, struct error *error)
 {
@@ -417,6 +420,7 @@ static bool reply_check(struct sweep_file *all, int files, struct reply *reply)
     return differences.count == 0;
 }
 
+/* Checks that files together have each point of their sweep once (`hooke --check-sweep`). */
 int sweep_check(struct session *session, const char *const *path, int count, struct reply *reply)
 {
     struct sweep_file all = {.cancel = session->front.cancel};

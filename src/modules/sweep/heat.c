@@ -113,6 +113,7 @@ static void put_legend(const struct heat *heat, const struct heat_scale *scale,
     buffer_put(output, gaps ? TEXT("   x: no value\n") : TEXT("\n"));
 }
 
+/* Draws a map as text: shades or letters in cells, axes at its edges and a legend below. */
 bool heat_print(const struct heat *heat, int width, int height, const struct charset *charset,
                 struct buffer *output)
 {

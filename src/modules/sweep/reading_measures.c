@@ -437,6 +437,7 @@ static bool read_item(struct parser *parser, struct text item, struct sweep_requ
     return shown->formula;
 }
 
+/* Reads the list of measures behind `measure=`. */
 bool read_measures(struct parser *parser, struct sweep_request *request, struct error *error)
 {
     struct text rest = text_trim(parser->rest), item;

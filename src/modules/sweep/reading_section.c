@@ -159,6 +159,7 @@ static bool is_driven(const struct session *session, struct text where, struct e
                       "a section may also be where an expression passes a value: at v = 0 falling");
 }
 
+/* Reads an event: the word `period`, the name of an event of the session, or an expression. */
 bool read_section(struct session *session, const struct arguments *args, struct text text,
                   struct sweep_section *section, struct error *error)
 {
@@ -193,6 +194,7 @@ static bool all_variables(const struct model *model, struct sweep_request *reque
     return true;
 }
 
+/* Completes the request's section with usual values and checks it. */
 bool finish_section(struct sweep_request *request, bool measured, struct error *error)
 {
     const struct sweep_section *section = &request->section;

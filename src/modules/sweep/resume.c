@@ -461,6 +461,7 @@ static void set_stopped_error(const struct growing_file *g, struct error *error)
     error_hint(error, "'continue' or the same command continues it");
 }
 
+/* Computes the points that the file does not have yet and completes the file. */
 bool sweep_into_file(struct session *session, const struct arguments *args,
                      struct sweep_request *request, const struct sweep_options *options,
                      struct reply *reply, struct error *error)

@@ -36,6 +36,7 @@ bool sweep_waits(const struct session *session)
     return part && part->stopped;
 }
 
+/* Keeps a stopped sweep for `continue`, and moves its results out of `sweep`. */
 void sweep_keep_stopped(struct session *session, struct text statement, struct sweep *sweep)
 {
     sweep_forget_stopped(session);
@@ -61,6 +62,7 @@ static void log_whole_sweep(struct session *session, const char *statement)
     buffer_free(&text);
 }
 
+/* Completes the stopped sweep. */
 bool sweep_continue(struct session *session, const struct arguments *args, struct reply *reply,
                     struct error *error)
 {

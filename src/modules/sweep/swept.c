@@ -37,6 +37,7 @@ enum quantity swept_quantity(const struct swept *swept, int m)
     return sweep_measure_quantity(&swept->measure[m], swept->model);
 }
 
+/* Sets the smallest and largest of the finite values of a measure. */
 void swept_range(const struct swept *swept, int m, double *low, double *high)
 {
     *low = HUGE_VAL;
@@ -65,6 +66,7 @@ const char *swept_unit_name(const struct unit *unit, enum quantity quantity)
 
 /* ---- maps ---- */
 
+/* Makes an axis of a map from evenly distributed values of the sweep's axis. */
 struct heat_axis swept_axis(const struct sweep *sweep, int axis, int64_t first, int64_t span,
                             int count, struct arena *arena)
 {
@@ -81,6 +83,7 @@ struct heat_axis swept_axis(const struct sweep *sweep, int axis, int64_t first, 
                               .count = count};
 }
 
+/* Draws a value of each point of a sweep over two parameters as a map in text. */
 void swept_map(const struct session *session, const struct swept *swept, struct heat heat,
                double value(const struct swept *swept, int64_t i, int m), int m, int height,
                struct arena *arena, struct buffer *text)
@@ -178,6 +181,7 @@ static int64_t row_count(const struct swept *swept, int64_t i)
     return events > 0 ? events : swept->sweep->status[i] != SWEEP_MISSING;
 }
 
+/* Makes the table of results: a row per point, or per event at a section. */
 bool swept_table(const struct swept *swept, struct arena *arena, struct table *table)
 {
     const struct sweep *sweep = swept->sweep;

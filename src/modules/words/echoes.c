@@ -44,6 +44,7 @@ static double echo_distance(const struct points *points)
     return ECHO_DISTANCE_FACTOR * values_quantile(distance, n, 0.95);
 }
 
+/* Removes single samples that are far from their neighbours, unless there are many. */
 bool drop_echoes(struct points *points, struct arena *arena)
 {
     const size_t n = points->n;

@@ -33,6 +33,7 @@ static void put_heat_place(const struct heat *heat, size_t index, const char *wh
     buffer_put(output, TEXT("."));
 }
 
+/* Describes a heat map: its axes, where it is lowest and highest, points without value. */
 bool describe_heat(const struct heat *heat, struct buffer *output)
 {
     const size_t n = (size_t)heat->x.count * (size_t)heat->y.count;

@@ -170,6 +170,7 @@ static bool drop_sentence(struct buffer *text)
     return true;
 }
 
+/* Draws as many whole sentences of the description as a rectangle of cells holds. */
 bool words_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                 int height)
 {

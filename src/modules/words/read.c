@@ -432,6 +432,7 @@ static void read_ranges(const struct figure *figure, const struct points *points
         }
 }
 
+/* Describes a figure in numbers, which sentences are made from. */
 bool figure_read(const struct figure *figure, struct arena *arena, struct figure_reading *reading)
 {
     const size_t n = (size_t)figure->curves;

@@ -249,6 +249,7 @@ static void read_amplitudes(const struct points *p, const struct turn *turn, siz
         reading->growth = slope;
 }
 
+/* Finds turning points of a curve and, over time, its crossings, period and amplitudes. */
 bool read_turns(const struct points *points, bool timed, struct arena *arena,
                 struct curve_reading *reading)
 {

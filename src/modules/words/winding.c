@@ -50,6 +50,7 @@ static double turns_about(const struct frame *f, const struct points *p, double 
     return sum / TWO_PI;
 }
 
+/* Finds how often a curve in a plane winds around its centre. */
 void read_winding(const struct points *points, bool equal, struct curve_reading *reading)
 {
     struct curve_point low = point_at(points, 0), high = low;

@@ -53,6 +53,7 @@ static bool add_reset(const struct ode_reader *reader, struct text reset, bool *
     return true;
 }
 
+/* Reads an event from the text behind `global`: SIGN {CONDITION} {NAME=FORMULA;...}. */
 bool ode_event(struct ode *ode, const struct ode_line *line, struct text rest,
                struct ode_event *event)
 {

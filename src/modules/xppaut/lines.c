@@ -262,6 +262,7 @@ static bool take_whole(struct ode_lines *r, struct group *group, struct text lin
     return group->number ? ode_line_add(&group->lines, line, number) : add_array(r, line, number);
 }
 
+/* Splits a file into complete lines: continued ones joined, arrays written out, no comments. */
 bool ode_lines(struct text file, struct arena *arena, struct ode_line **line, int *count,
                struct error *error)
 {

@@ -21,6 +21,7 @@ static bool take_number(struct text *rest, double *number)
 
 /* ---- table NAME % POINTS FROM TO FORMULA(t) ---- */
 
+/* Reads a table's number of points, limits and formula from the symbol's text. */
 bool ode_table_read(struct ode *ode, struct ode_symbol *symbol)
 {
     struct text rest = symbol->text;
@@ -172,6 +173,7 @@ static bool take_whole(struct text text, int most, int *whole)
     return true;
 }
 
+/* Reads a network from the symbol's text into symbol->net. */
 bool ode_net_read(struct ode *ode, struct ode_symbol *symbol)
 {
     const struct text all = symbol->text;
@@ -231,6 +233,7 @@ static const struct ode_node *quantity_node(struct ode *ode, const struct ode_sy
     return NULL;
 }
 
+/* Returns the value of a network at index `place` as a formula: the weighted sum of neighbours. */
 const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, double place)
 {
     const struct ode_net *const net = symbol->net;

@@ -228,6 +228,7 @@ static bool note_tables(struct ode_statements *s)
     return true;
 }
 
+/* Reads the text of a file into *scene. */
 bool ode_read(struct text file, const struct ode_options *options, struct arena *arena,
               struct ode_scene *scene, struct error *error)
 {

@@ -30,6 +30,7 @@ static struct text setting_word_take(struct text *rest, bool name)
     return taken;
 }
 
+/* Splits off the next NAME=VALUE, or NAME without a value. */
 bool ode_pair(struct text *rest, struct text *name, struct text *value)
 {
     *value = TEXT("");
@@ -87,6 +88,7 @@ static bool set_method(struct ode_settings *settings, int line, struct text valu
     return true;
 }
 
+/* Takes a setting of a line `@` or of a set. *note becomes what is not supported about it. */
 bool ode_setting(struct ode_settings *settings, int line, struct text name, struct text value,
                  const char **note, struct error *error)
 {
@@ -134,6 +136,7 @@ static const struct {
     {'v', "rk4", "volterra, for integral equations", false},
 };
 
+/* Sets method, tolerance, times and steps of the scene from the settings. */
 bool ode_method(const struct ode_settings *settings, struct ode_scene *scene, struct error *error)
 {
     if (settings->has_method && settings->method == 'd')

@@ -20,6 +20,7 @@ static int shown_length(struct text text)
     return (int)(text.len < 60 ? text.len : 60);
 }
 
+/* Makes room in an array for one more entry. */
 bool ode_grow(struct ode *ode, void *array, int count, int *capacity, size_t size)
 {
     void *old, *more;
@@ -36,6 +37,7 @@ bool ode_grow(struct ode *ode, void *array, int count, int *capacity, size_t siz
     return true;
 }
 
+/* Adds a note on a line; one that exists already, or too many, are dropped. */
 bool ode_note(struct ode_statements *s, int line, bool warns, const char *format, ...)
 {
     char text[300];
@@ -376,6 +378,7 @@ static bool ode_line_take(struct ode_statements *s, const struct ode_line *line)
     }
 }
 
+/* Takes all lines of the file. */
 bool ode_statements(struct ode_statements *s, struct error *error)
 {
     struct arena *arena = s->ode.arena;

@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <string.h>
 
+/* Fills in a row from a finished comparison. */
 void compared_init(struct compared_row *row, const struct comparison *comparison)
 {
     const struct run *run = comparison->run;
@@ -30,6 +31,7 @@ void compared_init(struct compared_row *row, const struct comparison *comparison
     row->comparison.run = NULL;
 }
 
+/* Makes the row of a method that was not run because it would take `seconds` [s]. */
 void compared_too_long(struct compared_row *row, const struct method_choice *choice, double dt,
                        double steps, double seconds)
 {

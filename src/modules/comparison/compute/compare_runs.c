@@ -329,6 +329,7 @@ static double observed_order(const struct comparison *coarse, const struct compa
                                                                                            : NAN;
 }
 
+/* Predicts steps and computing time [s] of the runs with fixed steps, before any of them runs. */
 bool study_compare_plan(const struct compare_request *request, double *steps, double *seconds,
                         struct error *error)
 {
@@ -433,6 +434,7 @@ static bool time_rows(const struct compare_request *request, struct comparison *
                      "stopped: all runs are finished, but not all are timed");
 }
 
+/* Runs every choice at every setting, in order. */
 bool study_compare(const struct compare_request *request, struct comparison *rows, int *count,
                    struct error *error)
 {

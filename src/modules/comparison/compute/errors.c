@@ -33,6 +33,7 @@ static double mechanical_energy(const struct system *system, const double *y)
     return system_kinetic(system, y) + system_potential(system, y);
 }
 
+/* Computes all errors of a solve from its states on the grid. */
 void grid_errors(const struct system *system, const struct reference *reference, const double *grid,
                  struct study_errors *errors)
 {

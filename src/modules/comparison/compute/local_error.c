@@ -316,8 +316,8 @@ static bool measure_state(const struct local_search *search, double t, struct lo
     return true;
 }
 
-/* Names the fraction of each variable that is the same at the state of `result` and at later ones.
- */
+/* Names the fraction of each variable that is the same at the state of `result` and at later
+ * ones. */
 static void name_fractions(const struct local_search *search, struct local_error *result,
                            const double *multiple, const double *accuracy)
 {
@@ -360,6 +360,7 @@ static void choose_steps(double rate, struct local_error *result)
                 result->dt[result->points++] = digits[i] * decade;
 }
 
+/* Measures the local error of a method at a state of the solution, in steps of several sizes. */
 bool study_local_error(const struct local_error_request *request, struct local_error *result,
                        struct error *error)
 {
@@ -402,6 +403,7 @@ bool study_local_error(const struct local_error_request *request, struct local_e
 
 /* ---- rows ---- */
 
+/* Fills in a row for each variable and step, variable by variable. Returns how many. */
 size_t local_error_rows(const struct local_error *result, struct local_error_row *rows)
 {
     size_t count = 0;

@@ -105,6 +105,7 @@ static const struct result_column of_row[] = {
 const struct result_columns order_point_columns = RESULT_COLUMNS(of_point, struct order_point);
 const struct result_columns order_row_columns = RESULT_COLUMNS(of_row, struct order_row);
 
+/* Fills in a row for each point and returns their number. */
 size_t order_rows(const struct order *order, struct order_row *rows)
 {
     double dt = 0, error = 0; /* means of the logarithms of what the line is fitted to */

@@ -378,6 +378,7 @@ static bool sweep_steps(const struct sweep_target *target, double *grid, struct 
     return true;
 }
 
+/* Solves with ever smaller steps and fits the order. */
 bool order_sweep(const struct sweep_target *target, struct order *order, struct error *error)
 {
     double *grid = malloc((size_t)STUDY_TIMES * (size_t)target->system->n * sizeof *grid);
@@ -398,6 +399,7 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
 
 /* ---- the study ---- */
 
+/* Measures the order of a method against a reference, and explains what spoils it. */
 bool study_order(const struct order_request *request, struct order *order, struct error *error)
 {
     struct system system;

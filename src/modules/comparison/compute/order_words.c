@@ -9,6 +9,7 @@
 #define PLATEAU_SLOPES 3   /* this many equal slopes are a range of their own, */
 #define PLATEAU_APART 0.5  /* and if they differ by more from the claim, another order */
 
+/* Returns the largest |eigenvalue| of the Jacobian [1/s] at a state, or 0. */
 double system_fastest_rate(const struct system *system, double t, const double *y)
 {
     struct mode mode[STABILITY_MODES];
@@ -131,6 +132,7 @@ static void explain_plateau(const struct system *system, struct order *order)
              first_point->dt, last_point->dt, rate, slope);
 }
 
+/* Writes into order->words why the scene spoils the order, or leaves them empty. */
 void order_explain(const struct system *system, bool rests, struct order *order)
 {
     const bool misses = order->verdict == ORDER_LOWER || order->verdict == ORDER_ERRATIC ||

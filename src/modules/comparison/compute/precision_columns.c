@@ -5,6 +5,7 @@
 
 #include <math.h>
 
+/* Makes a row for each point, in the arena. */
 const struct precision_row *precision_rows(const struct precision *precision, struct arena *arena)
 {
     struct precision_row *row = arena_array(arena, (size_t)precision->points + 1, sizeof *row);
@@ -45,6 +46,7 @@ static double step_ns(const void *row)
     return timing_step_ns(&point_of(row)->time, point_of(row)->steps);
 }
 
+/* Returns why a point has no meaningful error, or "" if it has one. */
 const char *precision_failure(const struct precision *precision,
                               const struct precision_point *point)
 {

@@ -379,6 +379,7 @@ static bool sweep_all(const struct precision_request *request, struct precision 
     return ok;
 }
 
+/* Sweeps each choice from coarse steps to the floor of rounding, then times all points together. */
 bool study_precision(const struct precision_request *request, struct precision *precision,
                      struct error *error)
 {

@@ -85,6 +85,7 @@ static int find_asymptotic(const struct precision *precision, const struct preci
     return end - begin;
 }
 
+/* Fits slope and R^2 of a curve to its asymptotic points. */
 void precision_fit(struct precision *precision, int c)
 {
     struct precision_curve *curve = &precision->curve[c];
@@ -125,6 +126,7 @@ static double interpolate_log(double a, double b, double part)
     return a > 0 && b > 0 ? exp(log(a) + part * (log(b) - log(a))) : b;
 }
 
+/* Computes what an error costs with one method, between the points of its curve. */
 bool precision_cost_at(const struct precision *precision, int c, double error,
                        struct precision_cost *cost)
 {
@@ -194,6 +196,7 @@ static double tie_ratio(const struct precision *precision)
     return PRECISION_TIE;
 }
 
+/* Lists the curves that reach an error, the fastest first, then those that are not ranked. */
 int precision_fastest(const struct precision *precision, double error, struct precision_cost *costs,
                       int *others)
 {
@@ -244,6 +247,7 @@ static double predicted_error(const double matrix[4], double x, double radians, 
     return fmax(fabs(d), hypot(a * q + f * p, a * p - f * q + d));
 }
 
+/* Predicts the evaluations that an error needs from the amplification matrix (NUMERICS 1.5). */
 double precision_predict(const struct precision *precision, int c, double error)
 {
     const struct precision_curve *curve = &precision->curve[c];
@@ -311,6 +315,7 @@ static const char *const stiff_methods[] = {
  * sizes. */
 #define STIFFNESS_MIN 2e4
 
+/* Returns true if stability alone limits the steps of explicit methods. */
 bool precision_is_stiff(const struct system *system, double duration)
 {
     const int n = system->n;
@@ -325,6 +330,7 @@ bool precision_is_stiff(const struct system *system, double duration)
     return norm * duration > STIFFNESS_MIN;
 }
 
+/* Chooses methods that apply to the system, from a list for stiff systems or for others. */
 int precision_defaults(const struct system *system, double duration, struct method_choice *choice,
                        void (*absent)(void *context, const char *method, const char *reason),
                        void *context)

@@ -131,6 +131,7 @@ static bool time_costly_point(struct precision_point *point)
     return point->costly;
 }
 
+/* Times all meaningful points side by side, in about `seconds`. */
 bool precision_time(const struct precision_request *request, struct precision *precision,
                     double seconds, struct error *error)
 {

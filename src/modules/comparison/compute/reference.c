@@ -273,6 +273,7 @@ bool study_reference(const struct system *system, double span, const struct canc
     return study_reference_again(system, span, fabs(span), cancel, reference, error);
 }
 
+/* Computes the reference of several methods again with shorter steps, at most `step` [s]. */
 bool study_reference_again(const struct system *system, double span, double step,
                            const struct cancel *cancel, struct reference *reference,
                            struct error *error)

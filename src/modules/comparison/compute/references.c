@@ -13,6 +13,7 @@ void reference_free(struct reference *reference)
     reference->y = NULL;
 }
 
+/* Returns false, and frees the reference, if the solution does not last over the span. */
 bool reference_exists(const struct system *system, struct reference *reference,
                       const struct cancel *cancel, struct error *error)
 {
@@ -29,6 +30,7 @@ bool reference_exists(const struct system *system, struct reference *reference,
                       0.9 * fabs(reference->singular.t - t0));
 }
 
+/* Writes what the reference is and how accurate, with its doubts. */
 void reference_describe(const struct reference *reference, struct buffer *text)
 {
     if (reference->exact) {
@@ -113,6 +115,7 @@ static void stored_reference_keep(struct references *references, const struct sc
     }
 }
 
+/* Gets the stored reference of the scene, or computes and stores it. */
 bool references_get(struct references *references, const struct scene *scene,
                     const struct system *system, double span, const struct cancel *cancel,
                     struct reference *reference, struct error *error)
@@ -137,6 +140,7 @@ bool references_get(struct references *references, const struct scene *scene,
     return ok;
 }
 
+/* Computes a doubtful reference again in shorter steps and replaces *reference. */
 bool references_again(struct references *references, const struct scene *scene,
                       const struct system *system, double span, double step,
                       const struct cancel *cancel, struct reference *reference, struct error *error)

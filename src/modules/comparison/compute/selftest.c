@@ -205,6 +205,7 @@ static void check_stability(const struct method *method, struct selftest_row *ro
     row->check[SELFTEST_STABILITY].wanted = upper.predicted;
 }
 
+/* Checks the claims of one method's row. */
 bool selftest_method(const struct method *method, const struct cancel *cancel,
                      struct selftest_row *row)
 {

@@ -8,6 +8,7 @@
 /* Runs that differ by more than this many times their known errors contradict each other. */
 #define CONTRADICTION_FACTOR 100
 
+/* Allocates room for `max` methods. */
 bool witnesses_init(struct witnesses *witnesses, const struct system *system, int max)
 {
     *witnesses = (struct witnesses){.size = (size_t)STUDY_TIMES * (size_t)system->n};
@@ -60,6 +61,7 @@ static bool is_usable_witness(const struct witness *w, const struct reference *r
            !(reference->shortest > 0 && w->step > reference->shortest);
 }
 
+/* Returns true if two witnesses contradict the reference. */
 bool reference_suspect(struct reference *reference, const struct witnesses *witnesses, double *step)
 {
     bool found = false;

@@ -205,6 +205,7 @@ static double run_rounds(struct timed_solver *bench, int *order, int count,
     return others / (protocol->samples + 1);
 }
 
+/* Times solvers side by side, in rounds of random order. */
 void time_solvers(struct solver *solver, struct timing_result *result, int count,
                   enum timing timing, double seconds, const struct cancel *cancel)
 {

@@ -155,6 +155,7 @@ static bool find_roots(struct march *m, const struct cancel *cancel)
     return true;
 }
 
+/* Finds the lines on which the field changes its sign, by bisection on edges of the grid. */
 bool contour_trace(const struct contour_field *field, const struct cancel *cancel,
                    struct contour *contour)
 {

@@ -240,6 +240,7 @@ static bool add_points(enum region_plane plane, const struct stability *stabilit
     return ok;
 }
 
+/* Finds the boundaries of the studied methods and the eigenvalues of the scene times dt. */
 bool region_trace(enum region_plane plane, const struct stability *stability, int count,
                   const struct cancel *cancel, struct region *region, struct error *error)
 {

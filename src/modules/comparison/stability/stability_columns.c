@@ -34,6 +34,7 @@ static double zeta_of(const void *row)
 
 /* ---- for people ---- */
 
+/* Writes a growth per step with digits that show a small deviation from 1: "1+2.3e-06". */
 void buffer_growth(struct buffer *output, double growth)
 {
     const double deviation = fabs(growth - 1);

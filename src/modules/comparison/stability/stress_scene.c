@@ -91,6 +91,7 @@ static void add_starts(struct stress *stress, const struct stress_scene *source)
     }
 }
 
+/* Adds the cases of a scene to stress->cases. */
 bool stress_scene_cases(struct stress *stress, const struct stress_scene *source)
 {
     const int params = (int)scene_params(source->scene)->count;
@@ -107,6 +108,7 @@ bool stress_scene_cases(struct stress *stress, const struct stress_scene *source
     return stress->count > 0 && stress->cases[stress->count - 1].change == STRESS_START;
 }
 
+/* Makes *scene the caller's scene with the change of the case. */
 bool stress_scene_set(const struct stress_case *what, struct scene *scene, struct error *error)
 {
     const struct stress_scene *source = what->stress_scene;
@@ -127,6 +129,7 @@ bool stress_scene_set(const struct stress_case *what, struct scene *scene, struc
            scene_set(scene, first, (struct measured){what->value, 0}, error);
 }
 
+/* Returns the largest stable step [s] of the method for the fastest mode of the states. */
 double stress_limit(const struct system *system, const double *y, int states, int every,
                     const struct method *method)
 {

@@ -60,6 +60,7 @@ static const struct {
 
 static const char *const pi_word[DIALECTS] = {"3.141592653589793", "pi", "pi", "pi", "\\pi"};
 
+/* Writes a number so that it is a double in any expression. */
 void dialect_number(struct buffer *output, enum dialect dialect, double number)
 {
     char z[REAL_TEXT_SIZE];
@@ -334,6 +335,7 @@ static struct piece apply_operation(struct printer *p, const struct op *op,
     }
 }
 
+/* Writes an expression in a dialect, without products of what is 0. */
 bool expr_text(const struct expr *expr, enum dialect dialect, const char *const *name,
                const bool *zero, struct buffer *output)
 {

@@ -3,6 +3,7 @@
 #include "modules/programs/compute/table.h"
 #include "method/control/adapt_body.h"
 
+/* Fills in the table of an explicit Runge-Kutta method. */
 bool method_runge_kutta(const struct method *method, struct runge_kutta *table)
 {
     static const double straight[16] = {0};

@@ -93,6 +93,7 @@ static bool is_sound(const struct scene *scene)
     return sound;
 }
 
+/* Reorders an array [PARAM_MAX] from the order of the file to that of the program. */
 void reader_move(const struct field_places *places, void *array, size_t item)
 {
     char saved[PARAM_MAX * sizeof(double)];
@@ -121,6 +122,7 @@ static void note_unknown(struct reader *reader, struct text names,
     }
 }
 
+/* Reads the scene in the field `name` of a text. */
 bool reader_scene(struct reader *reader, struct text text, const char *name, struct scene *scene,
                   struct field_places *places, struct error *error)
 {
@@ -273,6 +275,7 @@ static bool read_run(struct reader *reader, const struct read_run *source, struc
     return ok;
 }
 
+/* Adds the runs with these ids, in this order, to the session. */
 void reader_runs(struct reader *reader, struct text ids)
 {
     uint64_t id;
@@ -427,6 +430,7 @@ static bool read_recording(struct reader *reader, struct text text, struct error
     return true;
 }
 
+/* Adds the recordings of the state to the session. */
 void reader_recordings(struct reader *reader)
 {
     struct text text = reader->state, name, value;

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Adds a line to the notes on what could not be restored. */
 void reader_note(struct reader *reader, const char *format, ...)
 {
     va_list args;
@@ -33,6 +34,7 @@ static bool restored_text_keep(void *context, struct text text)
     return true;
 }
 
+/* Executes commands, one per line, up to the first that fails. */
 bool reader_execute(struct reader *reader, struct text commands, struct error *error)
 {
     const struct source where = {.name = reader->name};
@@ -70,6 +72,7 @@ static void place_elements(const struct store_array *array, char *made, int coun
     *(int *)(void *)((char *)owner + array->count) = count;
 }
 
+/* Reads an array of the state into `owner`; it is unchanged if an element cannot be read. */
 void reader_array(struct reader *reader, const struct store_array *array, void *owner)
 {
     struct text text = reader->state, name, value;
@@ -329,6 +332,7 @@ static void read_all(struct reader *reader)
     session_changed(session);
 }
 
+/* Restores the session from the content of a file into a new session. */
 bool session_restore(struct session *session, struct text content, const char *name,
                      const char *temporary, struct buffer *notes, struct error *error)
 {

@@ -148,6 +148,7 @@ static bool take_run(struct reader *reader, struct text content)
     return run != NULL;
 }
 
+/* Collects all valid records up to the last S, and rows and runs by id. */
 bool reader_scan(struct reader *reader, struct text content, struct error *error)
 {
     content = text_after(content, strlen(STORE_HEADER));

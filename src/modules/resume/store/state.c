@@ -108,6 +108,7 @@ const size_t store_array_count = COUNT_OF(store_arrays);
 
 /* ---- scenes ---- */
 
+/* Writes a scene as the field `name`. */
 void store_put_scene(const struct scene *scene, const char *name, struct buffer *output)
 {
     const size_t begun = field_begin(output, name), params = scene_params(scene)->count;
@@ -150,6 +151,7 @@ static void put_loaded(const struct recording_slot *slot, struct buffer *output)
     free(path);
 }
 
+/* Writes a field for each item of an array of `owner`. */
 void store_put_array(const struct store_array *array, const void *owner, struct buffer *output)
 {
     const char *cursor = (const char *)owner + array->offset;
@@ -179,6 +181,7 @@ static void put_tables(const struct session *session, struct buffer *output)
         field_text(output, "studied", text_of(session->studies.last));
 }
 
+/* Writes the fields of the session's state. */
 void store_put_state(const struct session *session, struct buffer *output)
 {
     field_text(output, "version", text_of(HOOKE_VERSION));

@@ -300,6 +300,7 @@ static void delete_old_files(void)
     free(folder);
 }
 
+/* Prepares saving of a session and deletes what ended sessions left. */
 void autosave_begin(struct autosave *autosave, struct session *session)
 {
     const char *wish = getenv("HOOKE_AUTOSAVE");

@@ -64,7 +64,7 @@ static int by_time(const void *a, const void *b)
     return x->time < y->time ? 1 : -1;
 }
 
-/* Caller frees item. */
+/* Lists the session files in a folder, the newest first. The caller frees item. */
 struct saved_list saved_list(const char *folder)
 {
     struct saved_list list = {0};
@@ -130,6 +130,7 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
     return path.data;
 }
 
+/* Replaces the session by a saved one, or by the newest if name is NULL. */
 bool autosave_resume(struct session **session, const char *name, struct buffer *messages,
                      struct error *error)
 {

@@ -44,6 +44,7 @@ bool matrix_solve(int n, double *a, double *b)
     return all_finite(n, b);
 }
 
+/* Returns the determinant of a [n][n], which is overwritten. */
 double matrix_determinant(int n, double *a)
 {
     enum { EXPONENT_MAX = 1000 };
@@ -92,6 +93,7 @@ static bool decompose(int n, const double *matrix, gsl_vector_complex *value,
     return ok;
 }
 
+/* Computes the [n] eigenvalues of a matrix. */
 bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value)
 {
     gsl_vector_complex *found = gsl_vector_complex_alloc((size_t)n);
@@ -105,6 +107,7 @@ bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value)
     return ok;
 }
 
+/* Finds the eigenvector re + i im [n], of length 1, of the eigenvalue nearest to `estimate`. */
 bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue estimate, double *re,
                         double *im)
 {

@@ -30,6 +30,7 @@ enum kernel study_path(const struct system *system, const struct method *method,
     return special ? KERNEL_SPECIALISED : KERNEL_GENERAL;
 }
 
+/* Prepares solves of `system` over span [s] from its t0. */
 bool solver_init(struct solver *solver, const struct system *system, const struct method *method,
                  const struct run_settings *settings, double span)
 {
@@ -269,6 +270,7 @@ static enum stop run_fixed(struct solver *s, struct sampler *sampler, const stru
     return solver_stop(solver_step(s, NULL, 0, sampler));
 }
 
+/* Solves from the state y at t0 to the end of the span. Returns why it stopped. */
 enum stop solver_run(struct solver *solver, double *grid, const struct cancel *cancel)
 {
     const int n = solver->system->n;

@@ -53,6 +53,7 @@ static bool start_inside(struct scene *scene, const double *state, struct error 
     return true;
 }
 
+/* Sets the parameters that are initial values so that the scene starts at that state [n]. */
 bool scene_start_at(struct scene *scene, const double *state, struct error *error)
 {
     const struct scene original = *scene;

@@ -237,6 +237,7 @@ static void frame(struct variation *v, int directions)
     memcpy(v->whole.start, base->start, (size_t)base->n * sizeof *base->start);
 }
 
+/* Binds the scene with its derivatives by `count` parameters. */
 bool variation_bind(struct variation *v, const struct scene *scene, const int *index, int count)
 {
     struct error ignored;
@@ -261,6 +262,7 @@ void variation_of_start(struct variation *v, const struct system *base, const do
     variation_of_tangents(v, base, size, base->n);
 }
 
+/* Prepares derivatives by the start of the first `count` variables, in units of size. */
 void variation_of_tangents(struct variation *v, const struct system *base, const double *size,
                            int count)
 {
@@ -275,6 +277,7 @@ void variation_of_tangents(struct variation *v, const struct system *base, const
     }
 }
 
+/* Adds the derivative by one parameter, with a fixed initial state. */
 bool variation_add_parameter(struct variation *v, const struct scene *scene, int index)
 {
     const int n = v->base.n;

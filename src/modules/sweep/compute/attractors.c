@@ -19,6 +19,7 @@ static struct sweep_attractor *sweep_attractor_take(struct sweep_attractor *foun
     return &found[k];
 }
 
+/* Lists the attractors among the values of a measure and finds each once more to describe it. */
 int sweep_attractors(const struct sweep_request *request, const struct sweep *sweep, int measure,
                      struct sweep_attractor found[SWEEP_ATTRACTORS])
 {

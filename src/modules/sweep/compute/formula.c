@@ -48,6 +48,7 @@ static bool slot_column(const struct run *run, int slot, double *result)
     return true;
 }
 
+/* Evaluates the expression at all recorded rows into result. */
 bool expression_column(const struct run *run, const struct sweep_expression *expression,
                        const struct scene *scene, double *result)
 {
@@ -77,6 +78,7 @@ static double load_measure(const void *context, int slot)
                : load_number(context, slot);
 }
 
+/* Computes the wanted columns of point i from its measures in worker->part. */
 void sweep_combine(struct sweep_worker *worker, int64_t i)
 {
     const struct sweep_request *request = worker->job->request;

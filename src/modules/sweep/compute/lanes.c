@@ -302,6 +302,7 @@ static bool march_lanes(struct sweep_worker *worker)
     return true;
 }
 
+/* Stores the measures of a lane that has come to its end. */
 void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, int64_t steps,
                         int64_t evals)
 {
@@ -378,6 +379,7 @@ static int lanes_points_min(const struct sweep_worker *worker)
     return worker->job->adapts ? int_max(points, SWEEP_FEW_ADAPTIVE) : points;
 }
 
+/* Computes the points in the lanes. */
 void sweep_flush(struct sweep_worker *worker)
 {
     const struct sweep_request *request = worker->job->request;
@@ -442,6 +444,7 @@ static bool set_clock(const struct sweep_worker *worker, const struct system *sy
     return fits;
 }
 
+/* Adds point i to the lanes, and computes them if all are used. */
 void sweep_gather(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;

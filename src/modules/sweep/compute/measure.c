@@ -9,6 +9,7 @@
 
 /* ---- axes ---- */
 
+/* Finds what `name` varies in the scene and fills in the axis. */
 bool sweep_axis_find(const struct scene *scene, struct text name, struct sweep_axis *axis)
 {
     const struct catalog *params = scene_params(scene), *derived = scene_derived(scene);
@@ -132,6 +133,7 @@ static bool split_watched(struct text name, const struct row **row, struct text 
     return true;
 }
 
+/* Finds a measure by its name: of the catalog, a variable, quantity or observable, or max(z). */
 bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
                         struct error *error)
 {
@@ -177,6 +179,7 @@ const char *sweep_measure_name(const struct sweep_measure *measure)
     return measure->name[0] ? measure->name : rows[measure->kind].name;
 }
 
+/* Returns the quantity of the measure's values. */
 enum quantity sweep_measure_quantity(const struct sweep_measure *measure, const struct model *model)
 {
     const struct system system = {.model = model, .n = model->n, .order = model->order};

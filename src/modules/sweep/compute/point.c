@@ -20,6 +20,7 @@ void sweep_common(const struct sweep_request *request, struct scene *scene,
         settings->kernel = KERNEL_SPECIALISED;
 }
 
+/* Allocates the memory of a worker. */
 bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
 {
     *worker = (struct sweep_worker){.job = job, .refused = -1};
@@ -74,6 +75,7 @@ static bool set_axis(const struct sweep_axis *axis, double value, struct scene *
     return false;
 }
 
+/* Sets the swept quantities in `scene` and `settings` to those of point i. */
 bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i,
                  struct scene *scene, struct run_settings *settings, struct error *error)
 {
@@ -108,6 +110,7 @@ double *sweep_values(struct sweep_worker *worker, int64_t i)
     return worker->job->sweep->value + i * worker->job->sweep->measures;
 }
 
+/* Returns the value of a measure that depends on time and state only, or NAN. */
 double sweep_measured(const struct sweep_measure *measure, const struct system *system, double t,
                       const double *y)
 {
@@ -192,6 +195,7 @@ static bool needs_work(const struct sweep_job *job)
     return needed;
 }
 
+/* Creates the run of point i. Returns NULL if it is refused. */
 struct run *sweep_run(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;
@@ -211,6 +215,7 @@ struct run *sweep_run(struct sweep_worker *worker, int64_t i)
     return run;
 }
 
+/* Advances the run to its end, measures it as point i and destroys it. */
 void sweep_measure_run(struct sweep_worker *worker, int64_t i, struct run *run, int64_t evals)
 {
     struct sweep_job *job = worker->job;
@@ -251,6 +256,7 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
         sweep_measure_run(worker, i, run, -1);
 }
 
+/* Computes the missing points of the task at that line and block. Returns how many. */
 int64_t sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
 {
     int64_t computed = 0;

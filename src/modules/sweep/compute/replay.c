@@ -47,6 +47,7 @@ void replay_keep(struct sweep_worker *worker, int64_t first, int64_t count)
             replay_feed(worker, lane, first - place, end - (first - place));
 }
 
+/* Measures the run of a lane that has come to its end. */
 void replay_lane(struct sweep_worker *worker, int lane, int64_t evals)
 {
     const struct sweep_job *job = worker->job;

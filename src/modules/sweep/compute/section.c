@@ -87,6 +87,7 @@ static bool crossings_settle(struct sweep_worker *worker, struct crossings *cros
 
 /* ---- one point ---- */
 
+/* Creates the run of point i and compiles its event. */
 bool crossings_begin(struct sweep_worker *worker, int64_t i, struct crossings *crossings)
 {
     const struct sweep_request *request = worker->job->request;
@@ -244,6 +245,7 @@ static double count_repeats(const struct crossings *crossings, const double *sta
     return NAN;
 }
 
+/* Stores events of the run as results of point i, from its record `first` on. */
 void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossings *crossings,
                     int64_t first, int64_t count)
 {
@@ -290,6 +292,7 @@ static void advance_events(const struct sweep_request *request, struct crossings
     }
 }
 
+/* Computes point i at the section by a run of its own. */
 void section_alone(struct sweep_worker *worker, int64_t i)
 {
     const struct sweep_request *request = worker->job->request;

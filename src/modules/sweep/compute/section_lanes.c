@@ -309,6 +309,7 @@ static void finish_lane(struct sweep_worker *worker, int lane)
     worker->steps += (double)(section->strobe ? p->step : p->last);
 }
 
+/* Computes the points in the lanes at the section; those with uncertain events run alone. */
 void section_march(struct sweep_worker *worker)
 {
     struct section *s = worker->section;

@@ -58,6 +58,7 @@ static int64_t shard_begin(const struct sweep_request *request, int64_t total, i
     return begin * cell < total ? begin * cell : total;
 }
 
+/* Sets axes, total, first and count of the sweep to the points that the request asks for. */
 void study_sweep_stretch(const struct sweep_request *request, struct sweep *sweep)
 {
     const struct sweep_section *section = &request->section;
@@ -408,6 +409,7 @@ static double steps_factor(const struct sweep_request *request)
     return more;
 }
 
+/* Estimates the number of steps and the computing time [s] of all points. */
 void study_sweep_predict(const struct sweep_request *request, double *steps, double *seconds)
 {
     struct sweep sweep;
@@ -433,6 +435,7 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
  * belong together. */
 #define BATCH_MOST ((int64_t)1 << 18)
 
+/* Returns the number of points that fill the lanes of all threads when computed at once. */
 int64_t study_sweep_batch(const struct sweep_request *request)
 {
     struct sweep sweep;
@@ -447,6 +450,7 @@ int64_t study_sweep_batch(const struct sweep_request *request)
     return rows && LANE_COUNT * last <= BATCH_MOST ? LANE_COUNT * last : LANE_COUNT * threads;
 }
 
+/* Computes the sweep. */
 bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struct error *error)
 {
     const int64_t begin = clock_ns();

@@ -24,6 +24,7 @@ static double hermite_value(double h, double y0, double v0, double y1, double v1
            theta * rest * ((1 - 2 * theta) * -rise + rest * h * v0 - theta * h * v1);
 }
 
+/* Takes note of an extreme between two states whose velocities have different signs. */
 void watch_turn(struct extremes *watch, double t0, double y0, double v0, double t1, double y1,
                 double v1)
 {
@@ -52,6 +53,7 @@ void watch_end(struct extremes *watch, double y)
     watch->high = y > watch->high ? y : watch->high;
 }
 
+/* Returns what was measured, or NAN if too little was seen. */
 double watch_value(const struct extremes *watch, enum sweep_kind kind)
 {
     switch (kind) {
@@ -120,6 +122,7 @@ static bool make_column(const struct run *run, const struct sweep_measure *measu
     return true;
 }
 
+/* Measures a recorded run, from the time `opens` [s] on. */
 double watch_run(const struct run *run, const struct sweep_measure *measure,
                  const struct scene *scene, double opens)
 {
