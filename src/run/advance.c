@@ -252,6 +252,7 @@ enum stop stop_of_step(enum step_status status)
     return stop[status];
 }
 
+/* Copies only as many members as the number of variables needs, because each step does it. */
 void controller_copy(struct controller *target, const struct controller *source,
                      const struct system *system)
 {
@@ -343,6 +344,8 @@ static enum stop advance_step(struct run *run, struct segment *segment)
     return stop == STOP_NONE && run->plan.adaptive && run_creeps(run) ? STOP_SINGULAR : stop;
 }
 
+/* Alternates batches of steps with looks at the clock and at Ctrl-C; the batch size adapts to the
+ * time that steps take. */
 bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns,
                  const struct cancel *cancel)
 {
@@ -383,6 +386,7 @@ bool run_advance(struct run *run, const struct run_target *target, int64_t budge
     return more;
 }
 
+/* Puts the run at a state after `steps` fixed steps, as if it had made them. */
 void run_place(struct run *run, int64_t steps, const double *y)
 {
     if (y != run->y)

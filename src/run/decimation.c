@@ -22,6 +22,8 @@ static bool bucket_row_append(struct trace *trace, int64_t step, double t, const
     return true;
 }
 
+/* Records the state if it begins a bucket or is a new extreme of the last one; then the old extreme
+ * is dropped unless it is the bucket's first row. */
 bool trace_keep(struct trace *trace, int64_t step, double t, const double *y)
 {
     if (step >= trace->tail_end) {
@@ -57,6 +59,7 @@ bool trace_keep(struct trace *trace, int64_t step, double t, const double *y)
     return true;
 }
 
+/* Finds the first row of the last bucket, which begins at step `begin`, and its extremes. */
 void trace_find_tail(struct trace *trace, int64_t begin)
 {
     trace->tail_end = begin + trace->bucket;
@@ -406,6 +409,7 @@ static int64_t steps_record(struct trace *trace, int64_t step, const double *row
     return trace_record(trace, step, row[trace->width - 1], row);
 }
 
+/* Offers `count` states after `step`, …, and returns how many were taken. */
 int64_t trace_record_many(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     if (trace->interval > 0)

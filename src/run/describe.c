@@ -288,6 +288,7 @@ static void describe_prediction(const struct system *system, const struct method
     buffer_char(text, '\n');
 }
 
+/* Appends the whole text of `plan`. */
 void plan_describe(const struct scene *scene, const struct system *system,
                    const struct method *method, const struct run_settings *settings,
                    const struct plan *plan, struct buffer *text)

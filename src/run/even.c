@@ -20,6 +20,7 @@ static double due_time(const struct trace *trace)
     return trace->origin + trace->due * trace->interval;
 }
 
+/* Sets the next row to the first one after t in the direction of h. */
 void trace_aim(struct trace *trace, double t, double h)
 {
     trace->ahead = h < 0 ? -1 : 1;
@@ -30,6 +31,7 @@ void trace_aim(struct trace *trace, double t, double h)
         trace->due += trace->ahead;
 }
 
+/* Returns true if the interval of rows is a whole number of steps and rows are at ends of steps. */
 bool trace_in_step(struct trace *trace)
 {
     const struct time_grid *grid = trace_grid(trace);
@@ -62,6 +64,7 @@ int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, 
     return count;
 }
 
+/* Records all rows that are due in the last step, each by the state inside of the step. */
 enum stop even_record(struct run *run, bool cold, double t, double h)
 {
     struct trace *trace = run->trace;
@@ -83,6 +86,7 @@ enum stop even_record(struct run *run, bool cold, double t, double h)
     return STOP_NONE;
 }
 
+/* Drops the rows after time t, and makes them due again. */
 void even_drop(struct trace *trace, double t)
 {
     for (; trace->count > 1; trace->count--) {

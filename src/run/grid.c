@@ -17,6 +17,7 @@ const struct time_grid *trace_grid(const struct trace *trace)
     return &trace->grid[trace->grids - 1];
 }
 
+/* Finds the last grid that begins at or before the step, by bisection. */
 const struct time_grid *trace_grid_of(const struct trace *trace, int64_t step)
 {
     size_t low = 0, high = trace->grids;
@@ -30,6 +31,7 @@ const struct time_grid *trace_grid_of(const struct trace *trace, int64_t step)
     return &trace->grid[low];
 }
 
+/* Makes room for `more` grids, so that beginning one cannot fail later. */
 bool trace_reserve_grids(struct trace *trace, size_t more)
 {
     if (trace->grids + more <= trace->grid_capacity)
@@ -50,6 +52,7 @@ void trace_regrid(struct trace *trace, struct time_grid grid)
     trace->grid[trace->grids++] = grid;
 }
 
+/* Counts the steps of dt between two times; a remainder within rounding counts as none. */
 struct stretch stretch_measure(double t_begin, double t_end, double dt)
 {
     double ratio = fabs(t_end - t_begin) / dt;

@@ -245,6 +245,8 @@ static bool adapt_many(struct run *run, const struct segment *segment, enum stop
     return true;
 }
 
+/* Makes a batch by the propagator, by states that were given, or by the method's kernel; then
+ * checks bounds, records the rows, and takes back what diverged or had no room. */
 bool advance_many(struct run *run, const struct segment *segment, enum stop *stop)
 {
     struct run_private *p = run->private_state;

@@ -123,6 +123,7 @@ static bool is_on_line(const struct system *system)
     return system_variable(system, 0).quantity == QUANTITY_LENGTH;
 }
 
+/* Replaces lengths by angles for a pendulum, and everything by numbers in scenes without units. */
 enum quantity observable_quantity(const struct observable *observable, const struct system *system)
 {
     /* The first coordinate of a pendulum is an angle, so its velocity is an angular one. */
@@ -194,6 +195,7 @@ const struct observable *observable_energy(const struct system *system)
                                                                    : TEXT("kinetic"));
 }
 
+/* Computes the observable at each row, with looks at Ctrl-C on the way. */
 bool run_column(const struct run *run, const struct observable *observable, double *values,
                 struct error *error)
 {
@@ -240,6 +242,7 @@ double run_observable(const struct run *run, const struct observable *observable
     return observable->value(&walk.sample);
 }
 
+/* Compares all rows with the exact solution, and the end also with its floor. */
 void run_errors(const struct run *run, struct run_errors *errors)
 {
     *errors = (struct run_errors){NAN, NAN, NAN, NAN, NAN};

@@ -58,6 +58,7 @@ static void watch_threads(struct parallel_share *share)
     }
 }
 
+/* Returns the number of threads for `count` items: as requested, or one for each processor. */
 int parallel_threads(const struct parallel *parallel, int64_t count)
 {
     int64_t threads = parallel->threads;
@@ -68,6 +69,8 @@ int parallel_threads(const struct parallel *parallel, int64_t count)
     return threads < 1 ? 1 : (int)threads;
 }
 
+/* Starts the threads, waits for them, and returns how many there were; works alone if none
+ * starts. */
 int parallel_do(const struct parallel *parallel, int64_t count)
 {
     struct parallel_share share = {.parallel = parallel, .count = count};

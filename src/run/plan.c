@@ -93,6 +93,7 @@ static bool oscillation(const struct system *system, double *omega0, double *zet
     return system->linear && o->whole && *omega0 > 0 && isfinite(*zeta);
 }
 
+/* Finds the largest step that the method accepts for this system: 0 if none, infinity if all. */
 double plan_step_limit(const struct system *system, const struct method *method, enum drag drag)
 {
     struct error ignored;
@@ -117,6 +118,7 @@ double plan_step_limit(const struct system *system, const struct method *method,
     return exp(low);
 }
 
+/* Returns the largest stable step of a linear oscillator; NAN for other scenes. */
 double plan_stable_limit(const struct system *system, const struct method *method, enum drag drag)
 {
     double omega0, zeta;
@@ -137,6 +139,7 @@ static double predicted_growth(const struct system *system, const struct method 
                                                : NAN;
 }
 
+/* Plans fixed steps over the span; returns false with an error if they cannot be counted. */
 bool plan_grid(const struct system *system, double dt, double span, struct plan *plan,
                struct error *error)
 {
@@ -160,6 +163,7 @@ bool plan_propagates(const struct system *system, const struct method *method,
             fabs(remainder(interval, settings->dt)) <= 1e-14 * interval);
 }
 
+/* Checks the settings, then decides what the run will compute and how much memory it takes. */
 bool plan_make(const struct system *system, const struct method *method,
                const struct run_settings *settings, double span, struct plan *plan,
                struct error *error)

@@ -50,6 +50,7 @@ static bool pool_grow(struct pool *pool, size_t size)
     return true;
 }
 
+/* Takes memory from the last block, or from a new one if it is full. */
 void *pool_take(struct pool *pool, size_t size)
 {
     if (pool->left < size && !pool_grow(pool, size))
@@ -60,6 +61,7 @@ void *pool_take(struct pool *pool, size_t size)
     return taken;
 }
 
+/* Frees all blocks. */
 void pool_release(struct pool *pool)
 {
     while (pool->blocks) {
@@ -70,6 +72,7 @@ void pool_release(struct pool *pool)
     *pool = (struct pool){0};
 }
 
+/* Doubles the capacity if the array is full. */
 bool array_reserve(void *array, size_t bytes, size_t count, size_t *capacity)
 {
     static const size_t large = 1024; /* [byte] arrays of larger elements mostly have only one */

@@ -61,6 +61,7 @@ double propagator_step(const struct propagator *propagator)
     return propagator->h;
 }
 
+/* Finds the matrix and the shift of one step by steps of the method, and then their powers. */
 struct propagator *propagator_create(const struct run *run, double h)
 {
     double shift[STATE_SIZE] = {0}, column[STATE_SIZE][STATE_SIZE] = {{1, 0}, {0, 1}};
@@ -178,6 +179,7 @@ void propagator_set_place(struct propagator *p, const struct propagator_place *p
     propagator_anchor(p, place->anchored, place->anchor);
 }
 
+/* Computes whole blocks at once, and parts of blocks from the anchor. */
 int64_t propagator_advance(struct propagator *p, int64_t first, int64_t count, double *y,
                            double *row)
 {

@@ -12,6 +12,7 @@
 /* Position [m] above which a run has diverged; the square, in its energy, is still finite. */
 #define AMPLITUDE_MAX 1e150
 
+/* Returns the word for a stop in JSON. */
 const char *stop_name(enum stop stop)
 {
     static const char *const name[] = {
@@ -91,6 +92,7 @@ const struct system *run_system_to(const struct run *run, size_t row)
     return &run_epoch(run, trace_step(run->trace, row))->system;
 }
 
+/* Finds the last epoch that begins before the step, by bisection. */
 const struct epoch *run_epoch(const struct run *run, int64_t step)
 {
     const struct run_private *p = run->private_state;
@@ -169,6 +171,7 @@ static void choose_kernel(struct run *run)
     p->propagator = NULL;
 }
 
+/* Binds the scene, makes the plan, and allocates the run at its start. */
 struct run *run_create(const struct scene *scene, const struct method *method,
                        const struct run_settings *settings, double span, struct error *error)
 {
@@ -209,6 +212,7 @@ struct run *run_create(const struct scene *scene, const struct method *method,
     return run;
 }
 
+/* Frees the run with everything that it owns. */
 void run_destroy(struct run *run)
 {
     if (!run)
@@ -250,6 +254,7 @@ void run_use_epoch(struct run *run)
     choose_kernel(run);
 }
 
+/* Returns the time since which dry friction has held the body; NAN if it does not. */
 double run_rest(const struct run *run)
 {
     const struct trace *trace = run->trace;
@@ -265,6 +270,7 @@ double run_rest(const struct run *run)
     return row < trace_count(trace) ? trace_time(trace, row) : run->t;
 }
 
+/* Goes back by rows; everything after the row is dropped, and the method begins anew. */
 bool run_back(struct run *run, int64_t rows)
 {
     struct run_private *p = run->private_state;
@@ -325,6 +331,7 @@ bool run_remembers(const struct run *run)
            (run->plan.propagates && trace_count(run->trace) <= (size_t)run->steps);
 }
 
+/* Changes the scene at the present step: a new epoch, or the present one if it has no step yet. */
 bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
 {
     struct run_private *p = run->private_state;
@@ -375,6 +382,7 @@ bool run_rebind(struct run *run, const struct scene *scene, struct error *error)
     return true;
 }
 
+/* Removes the epoch that run_rebind() has just begun. */
 void run_unbind(struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -390,6 +398,7 @@ void run_unbind(struct run *run)
     run_use_epoch(run);
 }
 
+/* Gives variable i a new value, in a step of no length. */
 bool run_kick(struct run *run, int i, double value, struct error *error)
 {
     struct run_private *p = run->private_state;

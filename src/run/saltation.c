@@ -54,6 +54,7 @@ static bool response_append(struct run *run, const struct response *response, co
     return true;
 }
 
+/* Records the jump; the caller sets its derivatives by run_set_jump_slopes(). */
 bool responses_add_jump(struct run *run, int variable, double previous_value)
 {
     double state[LIMIT_VARIABLES];
@@ -125,6 +126,7 @@ static bool add_event_response(struct run *run, int event, const struct response
     return true;
 }
 
+/* Records the event that stopped the run, with the second derivative of its function. */
 bool responses_add_moment(struct run *run, int event)
 {
     struct event_watch *watch = run->private_state->watch;
@@ -141,6 +143,7 @@ bool responses_add_moment(struct run *run, int event)
                               run->y);
 }
 
+/* Records an event that nearly happened, with the value of its function there. */
 bool responses_add_miss(struct run *run, int event, double theta)
 {
     struct event_watch *watch = run->private_state->watch;
@@ -156,6 +159,7 @@ bool responses_add_miss(struct run *run, int event, double theta)
         y);
 }
 
+/* Looks for a response at the present time that depends on a variable. */
 bool responses_moment_moves(const struct run *run)
 {
     const struct responses *all = &run->private_state->responses;
@@ -256,6 +260,7 @@ const struct response *saltation_next_miss(const struct run *run, struct saltati
     return due ? &all->response[saltation->miss] : NULL;
 }
 
+/* Decides by the errors of the event's function whether this solution may have met the event. */
 bool saltation_pass_miss(const struct run *run, struct saltation *saltation, const double *y)
 {
     static const double margin = 3; /* factor on errors, which are estimates */
@@ -267,6 +272,7 @@ bool saltation_pass_miss(const struct run *run, struct saltation *saltation, con
     return false;
 }
 
+/* Finds by how much later this solution meets the event, and moves y to that time. */
 bool saltation_enter(const struct run *run, struct saltation *saltation,
                      const struct system *system, double t, double *y)
 {
@@ -304,6 +310,7 @@ static double jump_rounding(const struct run *run, size_t i)
     return sum > 0 ? typical * fmax(sum, value) : 0;
 }
 
+/* Adds the difference that the derivatives of the jump give to the run's value after it. */
 bool saltation_jump(const struct run *run, const struct saltation *saltation, int64_t step,
                     double *y)
 {

@@ -75,6 +75,7 @@ static void put_array(struct buffer *buffer, const char *name, const void *array
     field_put(buffer, name, count > 0 ? array : NULL, count * bytes);
 }
 
+/* Writes everything but the rows as fields. */
 void run_store(const struct run *run, struct buffer *output)
 {
     const struct run_private *p = run->private_state;
@@ -130,6 +131,7 @@ void run_set_stored(struct run *run, size_t rows)
     run->trace->stored = rows;
 }
 
+/* Writes rows as their step, their numbers and their mark. */
 void run_store_rows(const struct run *run, size_t first, size_t count, struct buffer *output)
 {
     const struct trace *trace = run->trace;
@@ -306,6 +308,7 @@ static bool get_work(struct run *run, struct text text)
     return true;
 }
 
+/* Creates the run anew, and replaces its state by the stored one after checking it. */
 struct run *run_restore(const struct scene *scene, const struct method *method, struct text text,
                         const struct field_places *places, const struct stored_rows *piece,
                         size_t pieces, struct error *error)

@@ -66,6 +66,7 @@ static const struct field trace_sound[] = {
     TRACE_IN(now_step, 0, LIMIT_STEPS), TRACE_IN(count, 1, LIMIT_STEPS),
 };
 
+/* Reads the settings and checks their ranges. */
 bool run_settings_take(struct text text, struct run_settings *settings)
 {
     struct run_settings read;
@@ -125,6 +126,7 @@ static bool trace_places_sound(const struct run *run)
     return sound && (trace_indexed(trace) || (int64_t)(count - 1) <= run->steps / trace->every);
 }
 
+/* Checks all tables of limits, and what members have to agree on. */
 bool run_is_sound(const struct run *run)
 {
     const struct run_private *p = run->private_state;

@@ -11,6 +11,7 @@
 
 static void free_marks(struct trace *trace);
 
+/* Frees the trace with all rows. */
 void trace_destroy(struct trace *trace)
 {
     if (!trace)
@@ -55,6 +56,7 @@ static double *mark_at(const struct trace *trace, size_t i)
     return trace->mark[i >> CHUNK_SHIFT] + (i & (CHUNK_ROWS - 1)) * trace->mark_width;
 }
 
+/* Returns the mark of row i as a tally, all 0 if rows have none. */
 struct energy_tally trace_mark(const struct trace *trace, size_t i)
 {
     struct energy_tally tally = {0};
@@ -103,6 +105,7 @@ void trace_forget_marks(struct trace *trace)
     trace_touch(trace, 0);
 }
 
+/* Makes marks of a larger width and copies those that there are. */
 bool trace_mark_rows(struct trace *trace, bool work)
 {
     struct trace made = *trace;
@@ -152,6 +155,7 @@ bool trace_reserve_rows(struct trace *trace, size_t rows)
            (!trace_indexed(trace) || needed <= trace->indices || trace_grow_index(trace));
 }
 
+/* Writes state, step, time and mark of row i, as far as rows have them. */
 void trace_write_row(struct trace *trace, size_t i, int64_t step, double t, const double *y,
                      const struct energy_tally *mark)
 {
@@ -196,6 +200,7 @@ bool trace_append(struct trace *trace, int64_t step, double t, const double *y)
     return trace->count < trace->cap && row_append(trace, step, t, y, &unknown_tally);
 }
 
+/* Records the state if the rule asks for it, and decimates the trace if it is full. */
 bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
 {
     /* even_record() records rows at even times, but for the first one. */
@@ -214,6 +219,7 @@ bool trace_record(struct trace *trace, int64_t step, double t, const double *y)
     return true;
 }
 
+/* Returns the next rows of the present chunk, if a kernel can write them directly. */
 double *trace_open(struct trace *trace, size_t width, size_t *rows)
 {
     if (trace->bucket > 1 || trace->every > 1 || trace->width != width || trace_marked(trace) ||
@@ -231,6 +237,7 @@ void trace_close(struct trace *trace, size_t rows)
     trace->next = (int64_t)trace->count;
 }
 
+/* Drops the rows after row i, and the grids and buckets that began after it. */
 void trace_truncate(struct trace *trace, size_t i)
 {
     if (i < trace->count) {

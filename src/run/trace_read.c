@@ -10,6 +10,7 @@ size_t trace_row_bytes(int n, bool timed, bool indexed)
     return ((size_t)n + timed + indexed) * sizeof(double);
 }
 
+/* Sets the rule and the largest number of rows; memory of rows is allocated as they come. */
 struct trace *trace_create(int n, bool timed, struct recording_rule rule, size_t memory)
 {
     struct trace *trace = calloc(1, sizeof *trace);
@@ -54,6 +55,7 @@ int64_t trace_step(const struct trace *trace, size_t i)
     return i < trace->count ? trace_row_step(trace, i) : trace->now_step;
 }
 
+/* Returns the time of a row: stored, or computed from the grid. */
 double trace_time(const struct trace *trace, size_t i)
 {
     int64_t step = trace_step(trace, i);
@@ -90,6 +92,7 @@ size_t trace_bytes(const struct trace *trace)
            (trace->index ? trace->capacity * sizeof *trace->index : 0);
 }
 
+/* Finds the first row of the step or a later one, by bisection. */
 size_t trace_row_from(const struct trace *trace, int64_t step)
 {
     size_t low = 0, high = trace->count;
@@ -105,6 +108,7 @@ size_t trace_row_from(const struct trace *trace, int64_t step)
     return low;
 }
 
+/* Finds the first row at or after time t in the run's direction, by bisection. */
 size_t trace_row_at(const struct trace *trace, double t)
 {
     const size_t n = trace_count(trace);

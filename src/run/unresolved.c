@@ -143,6 +143,7 @@ bool run_force_is_slow(const struct system *system, double h)
            (o->drive != 0 && fabs(o->omega * h) < 1 && !run_force_may_pulse(system));
 }
 
+/* Returns how many steps are searched for pulses, and sets the number of points in each. */
 int64_t run_probed_steps(const struct system *system, int64_t steps, int64_t evals, int *probes)
 {
     const int64_t share = evals / PROBED_EVALS_SHARE,
@@ -206,6 +207,8 @@ static bool step_misses_pulse(const struct run *run, double h, double *dt)
     return look < looks;
 }
 
+/* Returns true if the force changes faster than the steps; *dt is a step that resolves it, or
+ * NAN. */
 bool run_force_unresolved(const struct run *run, double *dt)
 {
     const struct system *system = &run->system;

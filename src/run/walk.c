@@ -53,6 +53,7 @@ static void exact_tabulate(struct walk *walk, int64_t step)
     walk->epoch = epoch;
 }
 
+/* Begins before the first row; the energy balance is requested if samples need it. */
 void walk_begin(struct walk *walk, const struct run *run, unsigned needs)
 {
     *walk = (struct walk){.run = run, .needs = needs};
@@ -127,6 +128,7 @@ void walk_leave(struct walk *walk)
     walk->table = NULL;
 }
 
+/* Makes the sample of the next row. Returns false after the last one. */
 bool walk_next(struct walk *walk)
 {
     const struct run *run = walk->run;
@@ -146,6 +148,7 @@ bool walk_next(struct walk *walk)
     return true;
 }
 
+/* Makes the sample of the present state. */
 void walk_present(struct walk *walk, const struct run *run, unsigned needs)
 {
     double work = 0, drag = 0;

@@ -110,6 +110,7 @@ static void note_extremes(struct energy_tally *tally, double initial, const stru
 
 /* ---- from state to state ---- */
 
+/* Starts the balance at the first state of the run. */
 void balance_begin(const struct run *run, struct balance *balance)
 {
     const int n = run->system.n;
@@ -264,6 +265,7 @@ static void tally_marking(const struct run *run, struct balance *balance, bool s
     tally_steps(balance, still, done, begin, count);
 }
 
+/* Adds the next steps, up to `max` or to a change of scene, state or grid. Returns their number. */
 int balance_block(const struct run *run, struct balance *balance, const double *row,
                   const double *time, size_t stride, int64_t max, struct work_done *done,
                   bool marking)
@@ -286,6 +288,7 @@ int balance_block(const struct run *run, struct balance *balance, const double *
     return count;
 }
 
+/* Adds a part of a step, to the state y at t, as if it were a step. */
 void balance_extend(const struct run *run, struct balance *balance, double t, const double *y)
 {
     const struct epoch *epoch = run_epoch(run, balance->step + 1);

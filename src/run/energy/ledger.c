@@ -207,6 +207,8 @@ static bool thinning_begin(struct run_private *p, struct trace *trace)
     return thinned;
 }
 
+/* Does one part of the thinning: chooses rows, makes room for marks, computes some, or moves
+ * rows. */
 bool ledger_thin(struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -294,6 +296,8 @@ bool balance_present(const struct run *run, struct balance *balance)
     return true;
 }
 
+/* Takes the balance back to the run's row: by the row's mark, or by the last saved tally before
+ * it. */
 void ledger_back(struct run *run)
 {
     struct run_private *p = run->private_state;
@@ -378,6 +382,7 @@ static void energies_alone(const struct run *run, struct ledger *ledger)
                               .factor = final / initial};
 }
 
+/* Fills *ledger with the balance of all steps, or with energies alone if it is not known. */
 void run_ledger(const struct run *run, struct ledger *ledger)
 {
     *ledger = (struct ledger){NAN, NAN, NAN, NAN, NAN, NAN};

@@ -301,6 +301,8 @@ static double quintic_acceleration(const struct quintic *p, double s)
            s * (1 - 8 * r + 10 * r * r) * p->a1;
 }
 
+/* Compares Lobatto's rule on two halves of the step, and the quintic's acceleration with the
+ * force. */
 bool work_converges(const struct system *system, double t, double h, const double *y0,
                     const double *y1, double work, double allowed)
 {

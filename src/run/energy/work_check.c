@@ -103,6 +103,8 @@ CLONES static bool is_any_missing(const struct work_done *done, double initial, 
     return any != 0;
 }
 
+/* Solves those steps again in which the energy differs by more than rounding, or the force
+ * jumps. */
 void work_check(const struct run *run, struct balance *balance, const struct work *work,
                 struct work_done *done)
 {

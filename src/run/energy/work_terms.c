@@ -353,6 +353,8 @@ static void turning_steps_correct(const struct work *work, const struct work_blo
     }
 }
 
+/* Runs the smallest set of terms that contains those of the scene; returns false for other
+ * scenes. */
 bool work_of_terms(const struct work *work, struct work_done *done)
 {
     struct oscillator_terms line;

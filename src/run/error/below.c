@@ -20,6 +20,8 @@ static double known_error(const struct run *run, int i)
     return !isnan(opinion->t) && isnan(opinion->lost) ? opinion->end[i] : 0;
 }
 
+/* Finds variables below the errors that tolerance or opinion give; those that only pass through 0
+ * at that moment do not count. */
 int run_below_tolerance(const struct run *run, double *magnitude_floor)
 {
     const struct system *system = &run->system;
@@ -43,6 +45,8 @@ int run_below_tolerance(const struct run *run, double *magnitude_floor)
     return count;
 }
 
+/* Returns true if a variable with an absolute tolerance is small compared with its largest
+ * values. */
 bool run_asks_small_values(const struct run *run)
 {
     /* Errors may be 100 tolerances; a value is small up to a hundred times that. */

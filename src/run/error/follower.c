@@ -24,6 +24,7 @@ double run_evaluations(const struct run *run)
     return work_of(&run->cost);
 }
 
+/* Starts a solution of its own at a row of the run, with memory of its own. */
 bool follower_begin(struct follower *follower, const struct run *run, size_t row,
                     const struct method *method, const struct system *system, double tol)
 {
@@ -53,6 +54,7 @@ void follower_end(struct follower *follower)
     follower->method = NULL;
 }
 
+/* Makes adaptive steps to time t, as long as its work is at most max_work. */
 enum follower_end follower_go(struct follower *follower, double t, double max_work,
                               const struct cancel *cancel)
 {
@@ -70,6 +72,7 @@ void follower_state_changed(struct follower *follower)
     follower->step.warm = follower->step.again = false;
 }
 
+/* Raises size [n] to the largest magnitudes in rows at even distances, and in the last row. */
 void run_sizes_add(const struct run *run, size_t first, size_t end, double *size)
 {
     enum { ROWS_LOOKED = 512 };

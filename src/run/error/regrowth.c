@@ -435,6 +435,7 @@ bool regrowth_is_likely(struct run *run)
     return find_resting(&r, run) && rest_is_unstable(&r);
 }
 
+/* Follows errors of resting variables, and corrects the opinion if these may have grown unseen. */
 void regrowth_look(struct run *run, const struct cancel *cancel)
 {
     struct regrowth r;

@@ -47,6 +47,7 @@ static double spectral_radius(const double *jacobian, int n)
     return fixed_exp(fixed_log(grown) / (2 * POWER_ITERATIONS_COUNTED));
 }
 
+/* Adds up spectral radii of Jacobians times the times between the rows at which they are taken. */
 double run_stiffness(const struct run *run)
 {
     const struct system *system = &run->system;

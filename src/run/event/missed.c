@@ -227,6 +227,7 @@ int64_t run_burst_looks(const struct system *system, size_t ways, int64_t evals)
     return LOOKS_MIN + LOOKS_A_WAY * (int64_t)ways * system->n + evals / EVALS_A_LOOK;
 }
 
+/* Searches the segments that are new since the last call, as long as looks are left. */
 bool run_missed_burst(struct run *run, struct burst *missed)
 {
     struct run_private *p = run->private_state;

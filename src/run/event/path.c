@@ -77,6 +77,7 @@ static struct jet polynomial_bounds(double *c, int degree, double r, double erro
     return jet;
 }
 
+/* The error of the polynomial is estimated by its last terms. */
 struct jet path_fit(const double *value, int degree, double a, double b)
 {
     double c[DENSE_DEGREE + 1] = {0}, sum = 0, power = 1;
@@ -96,6 +97,7 @@ struct jet path_fit(const double *value, int degree, double a, double b)
 
 /* ---- polynomials of the step ---- */
 
+/* Takes over the step that has just been made; polynomials are made when they are needed. */
 void path_begin(struct step_path *path, const struct inside *inside)
 {
     const struct run *run = inside->run;
@@ -268,6 +270,8 @@ static void through_pieces(struct step_path *path)
     }
 }
 
+/* Chooses the polynomial by what the method has: dense output, cubic, or pieces through inner
+ * states. */
 void path_make(struct step_path *path)
 {
     const bool side = path->inside.run->private_state->side != NULL;
@@ -338,6 +342,7 @@ static struct interval path_interval_hull(struct interval a, struct interval b)
     return (struct interval){fmin(a.lo, b.lo), fmax(a.hi, b.hi)};
 }
 
+/* Joins the bounds of all pieces between a and b. */
 struct jet path_jet(const struct step_path *path, int variable, double a, double b)
 {
     const int pieces = path->pieces;

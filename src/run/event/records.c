@@ -22,6 +22,8 @@ static bool event_record_add(struct run *run, const struct event_crossing *cross
     return true;
 }
 
+/* Returns true, with its fraction, if the condition is the first of the events that stop the
+ * run. */
 bool events_until(const struct run *run, double *theta)
 {
     const struct event_watch *watch = run->private_state->watch;
@@ -49,6 +51,7 @@ bool events_stop(const struct run *run)
     return false;
 }
 
+/* Moves the events at that moment to the run's time and state. */
 void events_until_at(struct run *run, double theta)
 {
     const struct event_watch *watch = run->private_state->watch;
@@ -62,6 +65,7 @@ void events_until_at(struct run *run, double theta)
     }
 }
 
+/* Records the events up to the run's time, and stops the run at the first one that stops it. */
 bool events_keep(struct run *run, const struct segment *segment, double h, bool *stops)
 {
     const struct event_watch *watch = run->private_state->watch;
@@ -93,6 +97,7 @@ struct event_doubt run_event_doubt(const struct run *run, int event)
     return run->private_state->doubt[event];
 }
 
+/* Drops records beyond the present step and time. */
 void event_records_truncate(struct run *run, double ahead)
 {
     struct event_records *all = &run->private_state->event_records;

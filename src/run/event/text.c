@@ -34,6 +34,7 @@ static bool take_word(struct text text, size_t *position, struct text word)
     return true;
 }
 
+/* Reads an expression, perhaps a comparison with another one, then rising, falling or touching. */
 bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                    struct event *event, size_t *used, struct error *error)
 {

@@ -60,6 +60,7 @@ static void take_condition(struct event_watch *watch, const struct run_target *t
                                       .scope = target->scope};
 }
 
+/* Compiles the formulas of all events in columns of what moves in a run; the rest are numbers. */
 bool events_watch_begin(struct event_watch *watch, struct run *run, const struct run_target *target)
 {
     arena_reset(&watch->arena);
@@ -84,6 +85,7 @@ bool events_watch_begin(struct event_watch *watch, struct run *run, const struct
     return !watch->failed;
 }
 
+/* Frees the watch with everything that it owns. */
 void events_watch_destroy(struct event_watch *watch)
 {
     if (!watch)
@@ -122,6 +124,7 @@ static double load_other(struct event_watch *watch, const struct watched *watche
     return value;
 }
 
+/* Loads the columns at the state y and evaluates the formula. */
 double events_watch_value(struct event_watch *watch, const struct watched *watched, double t,
                           const double *y)
 {
@@ -189,6 +192,7 @@ static struct jet other_jet(struct event_watch *watch, const struct watched *wat
     return path_fit(value, COLUMN_SAMPLES, begin, begin + apart);
 }
 
+/* Bounds the columns for the fractions a to b of the step, and the formula by those. */
 struct jet events_watch_bounds(struct event_watch *watch, const struct watched *watched, double a,
                                double b)
 {

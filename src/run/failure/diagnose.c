@@ -14,6 +14,7 @@
  * because a method may fail before the solution ends. */
 static const double ahead_share = 0.1;
 
+/* Finds the row of the last change of the scene or of the state; the first row if there is none. */
 size_t run_own_start(const struct run *run)
 {
     const struct run_private *p = run->private_state;
@@ -56,6 +57,7 @@ static void follow_row(const struct run *run, size_t row, double end, int64_t st
         followed->fate = SOLUTION_GOES_ON;
 }
 
+/* Follows the solution from its own start, and from the row if that is not enough. */
 void run_follow_from(const struct run *run, size_t row, double end, int64_t steps_max,
                      struct followed *followed)
 {
@@ -74,6 +76,7 @@ static size_t row_shortly_before(const struct run *run, double way)
     return trace_row_at(run->trace, run->t - 1e-3 * way);
 }
 
+/* Sets run->stop and run->singular if the followed solution ends. Returns false if it does not. */
 bool run_end_singular(struct run *run, const struct followed *followed)
 {
     if (followed->fate != SOLUTION_ENDS)
@@ -98,6 +101,8 @@ static bool steps_shrink(const struct run *run, double way)
                                               shorter * h < fabs(t - trace_time(trace, half - 1))));
 }
 
+/* Follows the solution ahead of a run whose steps shrink; stops the run if the solution ends
+ * there. */
 bool run_creeps(struct run *run)
 {
     static const int64_t share = 8; /* a look may take one step for this many of the run */
@@ -228,6 +233,7 @@ static void find_end_passed(struct run *run)
         run_end_singular(run, &followed);
 }
 
+/* Chooses the checks that suit the run: failure, fixed steps, or adaptive steps. */
 void run_diagnose(struct run *run)
 {
     const bool failed =

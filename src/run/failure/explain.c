@@ -347,6 +347,7 @@ static void explain_singularity(const struct run *run, struct buffer *text)
         buffer_put(text, TEXT("no method and no step gets past that time"));
 }
 
+/* Appends how, when and why the run stopped, as one sentence. */
 void run_explain(const struct run *run, struct buffer *text)
 {
     /* Words before the time at which the run stopped. */

@@ -161,6 +161,7 @@ CLONES static size_t row_that_stands_out(const struct trace *trace, size_t block
     return block + (found < values ? found / width : 0);
 }
 
+/* Returns how many rows are examined, so that this takes a small share of the run's work. */
 size_t run_rows_looked_max(const struct system *system, const struct method *method, double evals,
                            double rows, bool *picks)
 {
@@ -173,6 +174,7 @@ size_t run_rows_looked_max(const struct system *system, const struct method *met
     return (size_t)fmax(evals / evals_a_row, few ? picked_min : looked_min);
 }
 
+/* Compares steps that look strange with the solution: the first ones, then ever fewer. */
 void run_find_strange_steps(struct run *run)
 {
     enum { LOOK_EACH = 512, CHECKS_EACH = 64 }; /* all steps are checked up to that many */
@@ -207,6 +209,7 @@ void run_find_strange_steps(struct run *run)
         ends_near(run, strange);
 }
 
+/* Compares the first two steps of an implicit method with the solution, if they are long. */
 void run_check_first_steps(struct run *run)
 {
     enum { FIRST_STEPS = 2 }; /* the first one of a multistep method is another method's */

@@ -56,6 +56,7 @@ static double typed_price(const struct model *model)
     return price;
 }
 
+/* Adds up the prices of all formulas of the system. */
 double evaluation_price(const struct system *system)
 {
     double price = typed_price(system->model);
@@ -74,6 +75,7 @@ double evaluation_price_called(const struct system *system)
            (typed_lines(system->model) > 0 ? a_program : 0);
 }
 
+/* Chooses constants by the kind of the method; they were measured for each. */
 double solver_evaluation_price(const struct system *system, const struct method *method,
                                bool adaptive)
 {

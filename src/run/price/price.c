@@ -382,6 +382,7 @@ static void add_left_out(const struct run_scenario *s, const struct run_work *wo
         list_add(list, NAN, "stable dt (only if the amplitude grows)");
 }
 
+/* Appends both lists, with prices in percent of the run. */
 void run_prices_describe(const struct run_scenario *s, const struct run_work *work,
                          struct buffer *text)
 {
