@@ -111,7 +111,7 @@ const char *hooke_messages(const struct hooke *hooke)
     return hooke ? buffer_view(&hooke->messages) : "";
 }
 
-/* Reports, if there is no session, that hooke_open() ran out of memory. */
+/* Returns the error of the last call, or NULL; without a session, that memory ran out. */
 const struct hooke_error *hooke_error(const struct hooke *hooke)
 {
     static const struct hooke_error memory = {
@@ -253,7 +253,7 @@ void hooke_close(struct hooke *hooke)
     free(hooke);
 }
 
-/* Feeds the lines to the interpreter as a script. */
+/* Executes lines as a script. Returns the exit status, 0 if all succeeded. */
 int hooke_run(struct hooke *hooke, const char *lines)
 {
     struct text rest = text_of(lines ? lines : ""), line;
@@ -296,7 +296,7 @@ int hooke_value(const struct hooke *hooke, const char *name, double *value, doub
     return 1;
 }
 
-/* Counts only results that the session has at present. */
+/* Returns the name of result number index among those that exist at present, or NULL. */
 const char *hooke_result(const struct hooke *hooke, size_t index)
 {
     for (size_t i = 0; i < result_catalog.count && hooke; i++) {
@@ -307,8 +307,8 @@ const char *hooke_result(const struct hooke *hooke, size_t index)
     return NULL;
 }
 
-/* Executes `export - WHAT` with a receiver for the table; characters that would begin another
- * statement are refused. */
+/* Returns the table that `export - WHAT` gives, which the caller frees, or NULL after an error.
+ * Characters that would begin another statement are refused. */
 struct hooke_table *hooke_table(struct hooke *hooke, const char *what)
 {
     struct buffer line = {0};

@@ -69,7 +69,8 @@ void buffer_codepoint(struct buffer *buffer, uint32_t codepoint)
     buffer_put(buffer, (struct text){bytes, len});
 }
 
-/* Formats twice: once to learn the length, then into the room made for it. */
+/* Appends formatted text. It formats twice: once to learn the length, then into the room made for
+ * it. */
 void buffer_vformat(struct buffer *buffer, const char *format, va_list args)
 {
     va_list again;

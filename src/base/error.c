@@ -24,7 +24,7 @@ static void drop_partial(char *z, size_t size)
         z[start - 1] = '\0';
 }
 
-/* Fills in an error without place and hint. */
+/* Fills in an error with formatted text, without a place and a hint. */
 static PRINTF_LIKE(3, 0) void error_format(struct error *error, enum error_code code,
                                            const char *format, va_list args)
 {

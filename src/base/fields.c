@@ -9,7 +9,8 @@
 
 /* ---- writing ---- */
 
-/* Writes the name and reserves four bytes for the length, which field_end() fills in. */
+/* Begins a field: writes its name and reserves four bytes for the length, which field_end() fills
+ * in. Returns their position. */
 size_t field_begin(struct buffer *output, const char *name)
 {
     const uint32_t none = 0;
@@ -63,7 +64,8 @@ void fields_put(struct buffer *output, const struct field *field, size_t count, 
 
 /* ---- reading ---- */
 
-/* Refuses lengths that reach beyond the text, as damaged files have. */
+/* Takes the next field off the text. Returns false at the end, and for lengths beyond the text, as
+ * damaged files have. */
 bool field_next(struct text *text, struct text *name, struct text *value)
 {
     uint32_t len;
@@ -223,7 +225,8 @@ void field_put_names(struct buffer *output, const char *name, const struct catal
     field_end(output, begun);
 }
 
-/* Matches names in a file with rows of the catalog, in both directions. */
+/* Finds which item of a file belongs to which row of the catalog, by their names. Returns false if
+ * the names are damaged or too many. */
 bool field_find_places(struct text names, const struct catalog *catalog,
                        struct field_places *places)
 {
@@ -247,7 +250,8 @@ bool field_find_places(struct text names, const struct catalog *catalog,
     return true;
 }
 
-/* Copies items to the rows that they belong to, whatever their order in the file. */
+/* Copies the items of an array in a file to the rows of target that they belong to. Returns false,
+ * with target unchanged, if the array is missing or has another length. */
 bool field_get_placed(struct text text, const char *name, const struct field_places *places,
                       void *target, size_t item)
 {
@@ -275,7 +279,7 @@ static uint64_t checksum_mix(uint64_t sum, uint64_t word)
     return sum ^ (sum >> 29);
 }
 
-/* Mixes in four lanes, which the processor computes side by side, and then the lanes. */
+/* Returns a checksum of 64 bits, mixed in four lanes, which the processor computes side by side. */
 uint64_t bytes_sum(struct text bytes)
 {
     uint64_t lane[4] = {1 * SPREAD_A, 2 * SPREAD_A, 3 * SPREAD_A, bytes.len * SPREAD_A}, word[4];

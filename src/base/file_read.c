@@ -239,7 +239,8 @@ static bool read_all(const char *path, size_t limit, struct read_watch *watch,
     return !content->failed || error_memory(error);
 }
 
-/* Restores content on failure. */
+/* Appends the file to content, watched if watch is not NULL. Returns false with the error set and
+ * content unchanged. */
 bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
                        struct buffer *content, struct error *error)
 {

@@ -189,7 +189,7 @@ static double scanned_magnitude(struct text text, const struct scanned *s)
 #endif
 }
 
-/* Reads the longest number at the start of text, of *used bytes. */
+/* Reads the longest number at the start of text: its value, and its length *used [byte]. */
 enum real_status real_scan(struct text text, char decimal, double *value, size_t *used)
 {
     struct scanned s;
@@ -206,7 +206,7 @@ enum real_status real_scan(struct text text, char decimal, double *value, size_t
     return s.leading != 0 && size < 0x1p-1022 ? REAL_UNDERFLOW : REAL_OK;
 }
 
-/* Sets *value only if the whole text is a number. */
+/* Reads a text that is a number as a whole; *value stays unchanged if it is none. */
 enum real_status real_parse(struct text text, double *value)
 {
     size_t used;

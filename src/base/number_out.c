@@ -133,7 +133,8 @@ static struct decimal shortest_by_trying(double value)
     return decimal_rounded(value, 17);
 }
 
-/* Uses exact integers for usual values, else trial; the sign is added last. */
+/* Returns the shortest decimal that reads back: by exact integers for usual values, else by
+ * trying. */
 struct decimal decimal_shortest(double value)
 {
     const double size = fabs(value);
@@ -186,7 +187,8 @@ static int decimal_decade(struct decimal decimal)
     return decade;
 }
 
-/* Places the decimal point, then writes zeros where the decimal has no digits. */
+/* Writes the decimal: digits before the point, the point, further digits, with zeros where the
+ * decimal has none, and an exponent unless it is plain. */
 size_t decimal_write(struct decimal decimal, int low, int high, char output[REAL_TEXT_SIZE])
 {
     char digits[20], *const end = digits + sizeof digits,
@@ -297,8 +299,8 @@ static struct decimal rounded_to_place(double value, int index)
     return d;
 }
 
-/* Chooses the place of rounding by the uncertainty, and plain or exponential notation for both
- * numbers together. */
+/* Appends "1.9373 +- 0.0002". The uncertainty decides the place of rounding, and both numbers share
+ * plain or exponential notation. */
 void buffer_uncertain(struct buffer *buffer, double value, double uncertainty)
 {
     if (!isfinite(value) || !isfinite(uncertainty) || uncertainty <= 0) {

@@ -168,7 +168,7 @@ multiply_inline(int n, const double *restrict a, const double *restrict b, doubl
     }
 }
 
-/* Uses loops of constant length for n = 2 and 3. */
+/* Computes the product of square matrices [n][n], with loops of constant length for n = 2 and 3. */
 void matrix_multiply(int n, const double *a, const double *b, double *product)
 {
     if (n == 2)
@@ -223,8 +223,8 @@ static void exponential_series(int n, const double *a, double *sum, double *prod
     }
 }
 
-/* Scales a down until its norm is small, sums the series, and squares the result as often as a was
- * halved. */
+/* Replaces a [n][n] by its exponential divided by 2^k and returns k: scales a down until its norm
+ * is small, sums the series, and squares the result as often as a was halved. */
 double matrix_exponential(int n, double *a, double *work)
 {
     /* The 14 terms of the series are exact up to a norm of 2^QUARTER. */

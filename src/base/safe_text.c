@@ -48,7 +48,8 @@ static struct text visible_text(struct text text, bool keep_layout, char piece[1
     return (struct text){piece, (size_t)len};
 }
 
-/* Copies runs of plain ASCII at once, other characters one by one. */
+/* Appends the text with hidden and control characters made visible; keep_layout leaves newlines and
+ * tabs. Runs of plain ASCII are copied at once. */
 void safe_text(struct buffer *output, struct text text, bool keep_layout)
 {
     char piece[16];
@@ -60,7 +61,8 @@ void safe_text(struct buffer *output, struct text text, bool keep_layout)
     }
 }
 
-/* Cuts names that are too long for output, and ends them with "...". */
+/* Writes the name to output with hidden characters made visible; one that is too long ends with
+ * "...". Returns output. */
 const char *safe_name(struct text name, char output[SAFE_NAME_SIZE])
 {
     char piece[16];

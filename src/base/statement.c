@@ -59,7 +59,8 @@ static bool opens_string(struct text text, size_t i)
             (i == 0 || !(is_name_char(text.data[i - 1]) || text.data[i - 1] == '\'')));
 }
 
-/* Takes the text up to the next `;` or comment outside strings off the line. */
+/* Takes the next statement off the line, which ends at `;` or at a comment outside of strings.
+ * Returns false with the error set if a string is not closed. */
 bool next_statement(struct text *line, struct text *statement, struct error *error)
 {
     size_t i = 0;

@@ -66,7 +66,8 @@ struct text text_trim(struct text a)
     return a;
 }
 
-/* Sets *rest to NULL after the last piece, so that an empty piece at the end is found, too. */
+/* Takes the text up to the separator off *rest into *head. Returns false at the end: *rest is NULL
+ * after the last piece, so that an empty piece at the end is found, too. */
 bool text_split(struct text *rest, char separator, struct text *head)
 {
     if (rest->data == NULL)
@@ -87,8 +88,8 @@ static int int_min(int a, int b)
     return a < b ? a : b;
 }
 
-/* Computes the optimal string alignment; its recurrence needs the last three rows only (Boytsov
- * 2011, section 2.1). */
+/* Returns the number of edits (insert, delete, replace, transpose) between two spellings. The
+ * optimal string alignment needs the last three rows only (Boytsov 2011, section 2.1). */
 int text_distance(struct text a, struct text b)
 {
     size_t longer = a.len > b.len ? a.len : b.len;

@@ -147,7 +147,8 @@ static double value_in_si(double number, double factor)
                                                              : number * factor;
 }
 
-/* Converts also between frequency and angular frequency, by 2 pi. */
+/* Converts number to SI in *si, also between frequency and angular frequency. Returns false if the
+ * unit does not fit the quantity. */
 bool unit_convert(const struct unit *unit, enum quantity wanted, double number, double *si)
 {
     const double value = value_in_si(number, unit->factor);
@@ -162,7 +163,8 @@ bool unit_convert(const struct unit *unit, enum quantity wanted, double number, 
     return true;
 }
 
-/* Lists units of the quantity first, then those of others that convert to it (Hz for rad/s). */
+/* Appends the names of units for the quantity: its own first, then those that convert to it (Hz for
+ * rad/s). */
 void quantity_units(enum quantity quantity, struct buffer *names)
 {
     double si;
@@ -184,7 +186,8 @@ static bool continues_word(char c)
            (unsigned char)c >= 0x80;
 }
 
-/* A +- sign directly behind the unit ends it, too. */
+/* Returns the longest unit at the start of text behind which the word ends (a +- sign ends it,
+ * too), or NULL. */
 const struct unit *unit_match(struct text text)
 {
     const struct unit *best = NULL;

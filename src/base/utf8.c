@@ -4,7 +4,8 @@
 
 #include <string.h>
 
-/* Refuses sequences that are too long or too short, surrogates and numbers beyond Unicode. */
+/* Decodes the first character of *used bytes. Returns CODEPOINT_INVALID for bytes that are not
+ * UTF-8: wrong lengths, surrogates, numbers beyond Unicode. */
 uint32_t text_codepoint(struct text text, size_t *used)
 {
     static const uint32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};
@@ -74,9 +75,8 @@ static size_t separator_length(struct text rest, int depth)
     return 0;
 }
 
-/* Remembers the last end of an item, of a word and of a letter that fit, and cuts at the best of
- * them: at an item without loss if at least half of the width is used, else at a word, else at a
- * letter. */
+/* Returns as much of the text as fits into width columns. It ends at an item, without a loss that
+ * *cut reports, if items fill half of the width; else at a word, else at a letter. */
 struct text text_in_room(struct text text, int width, bool *cut)
 {
     size_t items = 0, words = 0, letters = 0;

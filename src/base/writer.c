@@ -92,7 +92,8 @@ bool writer_open_folder(struct writer *writer, bool confine, struct error *error
     return true;
 }
 
-/* Names the kind of an existing entry that is not a regular file. */
+/* Returns true if the name is free, or is a regular file that force may replace; else false with an
+ * error that names the kind of the entry. */
 bool writer_allows(const struct writer *writer, mode_t *mode, struct error *error)
 {
     static const struct {
@@ -299,7 +300,8 @@ static int writer_publish(struct writer *writer)
     return rename_temporary(writer);
 }
 
-/* Flushes, syncs, publishes and syncs the folder; whatever fails first is reported. */
+/* Ends writing: flushes, syncs, gives the file its name and syncs the folder. Returns false with
+ * the first failure as the error; closes in every case. */
 bool writer_commit(struct writer *writer, struct error *error)
 {
     mode_t mode;

@@ -40,7 +40,7 @@ static const struct command commands[] = {
 
 const struct catalog command_catalog = CATALOG("command", commands);
 
-/* Needs no bound, since one command has each of these flags. */
+/* Returns the command with this flag, which exactly one command has. */
 const struct command *command_with(enum command_flag flag)
 {
     const struct command *command = commands;

@@ -318,7 +318,7 @@ static void explain_word(const struct session *session, struct text statement, s
     buffer_free(&text);
 }
 
-/* Explains only errors of commands whose place is in the statement. */
+/* Improves the hint of an error about a word in the statement; other errors stay unchanged. */
 void explain_unknown(const struct session *session, struct text statement, struct error *error)
 {
     const struct text where = error->where;

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* Looks for a FILE that was given and for the option --force among the command's arguments. */
+/* Returns true if a FILE was given to a command that has --force. */
 bool writes_file(const struct arguments *arguments)
 {
     const struct command *command = arguments->command;
@@ -48,8 +48,8 @@ static void put_name(struct buffer *output, const char *name, struct text typed)
     buffer_put(output, text_starts(text_of(name), typed) ? text_of(name) : typed); /* or an alias */
 }
 
-/* Replaces the command word and chosen rows by their full names; the text between them is
- * copied. */
+/* Appends the statement with full names for the command word and for chosen rows; the text between
+ * them is copied. */
 void statement_in_full(const struct session *session, const struct arguments *arguments,
                        struct text statement, struct buffer *output)
 {

@@ -94,7 +94,8 @@ static bool read_file(struct text rest, struct redirect *redirect)
     return redirect->file.len > 0 && (left.len == 0 || redirect->force);
 }
 
-/* Leaves redirect->file empty unless the ending names a table format or a picture. */
+/* Takes "> FILE" off the statement if the ending names a table format or a picture; redirect->file
+ * stays empty otherwise. */
 void redirect_take(const struct command *command, struct text *statement, struct redirect *redirect)
 {
     const struct text rest = behind_sign(*statement);
@@ -110,7 +111,7 @@ void redirect_take(const struct command *command, struct text *statement, struct
     statement->len = (size_t)(rest.data - 1 - statement->data);
 }
 
-/* Replaces the error of a statement that could not be read because its file has another ending. */
+/* Replaces the error of a statement that cannot be read because its file has another ending. */
 void redirect_explain(const struct command *command, struct text statement, struct error *error)
 {
     const struct text rest = behind_sign(statement);

@@ -36,7 +36,8 @@ static const char *settable(const struct session *session, struct text name)
     return row ? row->name : NULL;
 }
 
-/* Tries y0 and y_0 (vy0 and vy_0 for y'), then v0 for any velocity. */
+/* Returns the parameter for the initial value of a variable, or NULL: y0 or y_0 (vy0 or vy_0 for
+ * y'), else v0 for any velocity. */
 const char *start_of(const struct session *session, struct text name)
 {
     const struct scene *scene = &session->setup.scene;
@@ -216,7 +217,8 @@ static bool put_command(struct text statement, struct buffer *text)
     return true;
 }
 
-/* Tries each translation in turn. Returns false if none fits. */
+/* Appends the statement in this program's notation, by the first translation that fits. Returns
+ * false if none does. */
 bool put_rewritten(const struct session *session, struct text statement, struct buffer *text)
 {
     return put_start(session, statement, text) || put_equation(statement, text) ||
@@ -247,7 +249,8 @@ void put_named(const struct session *session, bool law, struct text name, struct
     buffer_free(&value);
 }
 
-/* Finds the values in the arguments of a call, or in NAME = VALUE behind the first word. */
+/* Appends the text with NAME, VALUE and EXPR replaced by what the statement has: the arguments of a
+ * call, or NAME = VALUE behind its first word. */
 void put_filled(const char *brief, struct text statement, struct buffer *text)
 {
     static const char *const words[] = {"NAME", "VALUE", "EXPR"};

@@ -111,7 +111,8 @@ bool script_end(struct script *script, struct session *session, struct reply *re
     return script->ok;
 }
 
-/* Tries the folder of the command file only if the path is relative and does not exist. */
+/* Returns the path of a file named in a script: in the folder of the command file if it is relative
+ * and does not exist otherwise; NULL if out of memory. */
 char *script_path(const struct source *where, struct text name, struct arena *arena)
 {
     char *path = arena_text(arena, name);
@@ -193,7 +194,8 @@ bool script_file(struct session *session, const char *path, const struct source 
     return ok;
 }
 
-/* Walks up the sources of the statement: each must be a prompt. */
+/* Returns true if the setting may be set here: programs can be chosen only at a prompt, which each
+ * source of the statement must be; else sets an error. */
 bool check_typed(const struct session *session, const struct setting *setting,
                  const struct source *where, struct error *error)
 {

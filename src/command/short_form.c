@@ -87,7 +87,8 @@ static bool hold_message(void *context, struct text text)
     return true;
 }
 
-/* Replaces the sinks of the reply if the command has a short form. */
+/* Begins to hold the output, by replacing the sinks of the reply, if the command has a short form
+ * and --full was not given. */
 void short_form_begin(struct short_form *form, const struct session *session,
                       const struct arguments *arguments, struct reply *reply)
 {
@@ -137,8 +138,8 @@ static bool write_line(const struct short_form *form, bool message, struct text 
     return (message ? form->outer.err : form->outer.output)(form->outer.context, line);
 }
 
-/* Counts rows first; then writes all messages, and the head and tail of the results with a line in
- * place of what is left out. */
+/* Writes what was held: all messages, and the head and tail of the results with a line in place of
+ * what is left out. Rows are counted first. */
 void short_form_end(struct short_form *form, struct reply *reply)
 {
     if (!form->active)

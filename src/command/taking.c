@@ -73,7 +73,8 @@ static bool put_others(const struct command *command, struct text word, bool as_
     return count > 0;
 }
 
-/* Looks at the command itself first, then at other commands, by name and then by choice. */
+/* Appends how the command itself takes the word in another form, else which other commands take it,
+ * by name or by choice. Returns false if none does. */
 bool put_takers(const struct command *command, struct text word, enum argument_form form, int most,
                 struct buffer *text)
 {

@@ -8,7 +8,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Reads numbers, each with a unit or none, separated by blanks. */
+/* Reads at most max numbers, each with a unit or none, off *rest. Returns how many. */
 int calibration_values(struct text *rest, double *value, const struct unit **unit, int max)
 {
     int n = 0;
@@ -44,7 +44,8 @@ static bool same_unit(const struct unit *const unit[2], double value[2], char na
     return true;
 }
 
-/* Orders the arguments READ1 TRUE1 READ2 TRUE2 into readings and true values. */
+/* Makes the calibration of READ1 TRUE1 READ2 TRUE2. Returns false with the error set if units
+ * differ in kind or both points are the same. */
 bool calibration_make(const double value[4], const struct unit *const unit[4],
                       struct calibration *calibration, struct error *error)
 {

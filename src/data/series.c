@@ -25,7 +25,8 @@ struct series series_window(struct series series, double t_begin, double t_end)
     return series;
 }
 
-/* Walks through grid and rows side by side; beyond the ends the nearest value is used. */
+/* Interpolates the series linearly at t0 + i dt; beyond the ends the nearest value is used. Returns
+ * the sum of the samples. */
 double series_fill_grid(const struct series *s, double t0, double dt, size_t length,
                         double *samples)
 {
@@ -89,7 +90,8 @@ static bool samples_resample(struct samples *samples, const struct series *serie
     return true;
 }
 
-/* Replaces uneven samples by an even grid, and rounded stamps by even ones. */
+/* Prepares samples of a series for fits: uneven ones on an even grid, rounded stamps replaced by
+ * even ones. Returns false if out of memory or cancelled. */
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena)
 {
     *samples =
@@ -127,14 +129,16 @@ static size_t sixth_differences(const struct samples *samples, double *size)
     return count;
 }
 
-/* Uses the median of the differences, which single spikes do not change. */
+/* Returns the standard deviation of the noise by the median of the sixth differences, which single
+ * spikes do not change; NAN for too few samples. */
 double samples_noise(const struct samples *samples, double *scratch)
 {
     const size_t count = sixth_differences(samples, scratch);
     return count ? MAD_TO_SIGMA * values_quantile(scratch, count, 0.5) / sqrt(924.0) : NAN;
 }
 
-/* Uses the mean square of the differences without spikes. */
+/* Returns the standard deviation of the noise by the mean square of the sixth differences without
+ * spikes; NAN for too few samples or if out of memory. */
 double series_noise(const struct series *series, struct arena *arena)
 {
     struct samples samples;

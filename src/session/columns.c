@@ -26,7 +26,8 @@ bool models_alike(const struct model *a, const struct model *b)
     return alike;
 }
 
-/* Numbers state variables from 0 and observations after them, from model->n on. */
+/* Finds a column of a run by name: a state variable (numbered from 0), an observation (from
+ * model->n on) or an observable. Returns false with the error set. */
 bool chosen_find(const struct model *model, struct text name, struct chosen_column *column,
                  struct error *error)
 {

@@ -68,7 +68,8 @@ void events_sweep(struct session *session,
     session->definitions.event_lists_left = session->definitions.event_lists;
 }
 
-/* Copies the present list without the line of that name and appends the new one. */
+/* Returns a list with the line added, which replaces one of the same name; NULL with the error
+ * set. */
 const struct events *events_with(struct session *session, const struct event_line *line,
                                  struct text when, struct text commands, struct error *error)
 {
@@ -132,7 +133,8 @@ void events_destroy(struct events *events)
 
 /* ---- events as commands ---- */
 
-/* Quotes commands with ', or with " and escapes if they contain a '. */
+/* Appends the event as a command; as_stop leaves out its commands. These are quoted with ', or with
+ * " and escapes if they contain a '. */
 void event_describe(const struct event_line *line, bool as_stop, struct buffer *text)
 {
     static const char *const words[] = {"stop", "record"};
@@ -200,8 +202,8 @@ bool events_compile(const struct events *events, const struct expr_scope *scope,
     return true;
 }
 
-/* Reads the records of the last step backwards; an event stopped the run if its time is that of the
- * run. */
+/* Lists the events that have stopped the run where it is now. Returns how many. Records of the last
+ * step are read, of which those at the run's time have stopped it. */
 int events_stopped_at(const struct run_slot *slot, const struct event_line *stopped[LIMIT_EVENTS])
 {
     const struct run *run = slot->run;

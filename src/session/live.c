@@ -109,8 +109,9 @@ static double fraction_done(const struct run *run, const struct run_target *targ
     return fabs(target->t) < T_UNREACHABLE ? (run->t - t_begin) / (target->t - t_begin) : -1;
 }
 
-/* The pace begins anew when the user changes the speed, and when the run trails the clock by more
- * than CLOCK_LAG_MAX. */
+/* Advances the run towards the target at the pace of the clock, or as fast as possible. The pace
+ * begins anew when the user changes the speed, and when the run trails the clock by more than
+ * CLOCK_LAG_MAX. */
 void live_advance(struct session *session, struct run *run, const struct run_target *target,
                   bool clocked)
 {

@@ -326,7 +326,8 @@ int names_of_scene(int slot, bool *derived)
     return *derived || kind == NAME_PARAM ? slot & ((1 << SLOT_KIND) - 1) : -1;
 }
 
-/* Adds the size below which a state variable has no certain digit. */
+/* Finds value, uncertainty and quantity of a name, and for a state variable the size below which no
+ * digit is certain. Returns false if it is unknown. */
 bool names_value(const struct session *session, struct text name, struct named_value *value)
 {
     const struct names names = {.session = session, .letters = true};

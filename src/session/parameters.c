@@ -19,7 +19,8 @@ void scene_lines(const struct scene *scene, const char *prefix, struct buffer *t
     }
 }
 
-/* Writes lines by kind, so that each name is defined before it is used. */
+/* Appends the typed lines of the scene as commands, by kind, so that each name is defined before it
+ * is used. */
 void scene_script(const struct scene *scene, const char *end, struct buffer *text)
 {
     static const enum typed_kind order[] = {TYPED_VAR,      TYPED_PARAM, TYPED_OBSERVE,
@@ -138,7 +139,8 @@ const struct observable *model_observable(const struct model *model, struct text
     return observable_from(row);
 }
 
-/* Returns true unless the observable needs what a model of this order never has. */
+/* Returns true if runs of the model have the observable: it needs nothing that a model of this
+ * order never has. */
 bool model_offers(const struct model *model, const struct observable *observable)
 {
     unsigned never = 0;

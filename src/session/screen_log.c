@@ -65,7 +65,8 @@ const char *log_line(const struct log *log, int i)
                                     : NULL;
 }
 
-/* Breaks at the last space that fits, else within a word. */
+/* Returns the part of a line that the next row of a pane shows, broken at the last space that fits,
+ * else within a word; moves *offset behind it. */
 struct text log_row(struct text line, size_t *offset, int width, int *indent)
 {
     const struct text rest = {line.data + *offset, line.len - *offset};

@@ -240,7 +240,8 @@ int session_find_recording(const struct session *session, struct text name)
 
 /* ---- results ---- */
 
-/* Moves the name to the end of the list, so that the oldest result is the first. */
+/* Sets the result of that name and moves it to the end of the list, so that the oldest is the
+ * first. */
 void session_set_result(struct session *session, const char *name, struct measured value,
                         enum quantity quantity)
 {
@@ -304,7 +305,8 @@ struct run_settings session_run_settings(const struct session *session)
                                  .record = settings->record};
 }
 
-/* Chooses braille or ASCII by the terminal if the setting is auto. */
+/* Returns the characters for plots: those of the setting, or braille or ASCII by the terminal if it
+ * is auto. */
 const struct charset *session_charset(const struct session *session)
 {
     const struct charset_choice *choice =

@@ -27,7 +27,8 @@ double derived_value(const struct scene *scene, const char *name)
     return row ? ((const struct derived_row *)(const void *)row)->value(scene).value : NAN;
 }
 
-/* Takes the first of these derived quantities that the scene has and that is finite. */
+/* Returns the period [s] of the scene by the first of these derived quantities that it has and that
+ * is finite, or NAN. */
 double scene_period(const struct scene *scene)
 {
     static const char *const names[] = {"T_d", "period", "T0"};
@@ -37,7 +38,8 @@ double scene_period(const struct scene *scene)
     return period;
 }
 
-/* Starts the pendulum at rest from that amplitude [rad]. */
+/* Returns the period [s] of a pendulum that starts at rest from that amplitude [rad]; NAN for other
+ * scenes. */
 double scene_period_at(const struct scene *scene, double amplitude)
 {
     const int angle = scene ? scene_param(scene, "theta0") : -1;

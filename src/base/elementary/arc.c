@@ -87,8 +87,8 @@ static double point_angle(double y, double x)
     return sum.high + (sum.low + (base.low + sign * a.low));
 }
 
-/* Adds the angle of a centre c = j/16 near |x| (or near 1/|x| if |x| > 1) and a small angle, as
- * first_angle() does. */
+/* Returns atan x: the sum of the angles of a centre c = j/16 near |x| (or near 1/|x| if |x| > 1)
+ * and of a small remainder, as first_angle() does. */
 double fixed_atan(double x)
 {
     const double size = fabs(x);
@@ -109,8 +109,8 @@ double fixed_atan(double x)
     return copysign(is_inverted ? wide_less(half_pi, found) : found.high + found.low, x);
 }
 
-/* Treats zeros, infinities and extreme ratios first; scales both coordinates if one of them is
- * extreme. */
+/* Returns the angle of the point (x, y), from -pi to pi. Zeros, infinities and extreme ratios are
+ * treated first; both coordinates are scaled if one of them is extreme. */
 double fixed_atan2(double y, double x)
 {
     if (x != x || y != y)
@@ -158,7 +158,8 @@ static struct wide half_arc(double x)
     return (struct wide){root, ((square - p.high) - p.low) / (2 * root) + arc_rest(root)};
 }
 
-/* Uses the polynomial up to 1/2, beyond it pi/2 - acos |x|. */
+/* Returns asin x, or NaN beyond [-1, 1]: by the polynomial up to 1/2, beyond it as pi/2 - acos
+ * |x|. */
 double fixed_asin(double x)
 {
     const double size = fabs(x);
@@ -170,7 +171,7 @@ double fixed_asin(double x)
     return copysign(wide_less(half_pi, (struct wide){2 * half.high, 2 * half.low}), x);
 }
 
-/* Uses pi/2 - asin x up to 1/2, beyond it half_arc(). */
+/* Returns acos x, or NaN beyond [-1, 1]: as pi/2 - asin x up to 1/2, beyond it by half_arc(). */
 double fixed_acos(double x)
 {
     if (!(fabs(x) <= 1))
@@ -192,7 +193,7 @@ static double hypotenuse(double a, double b)
     return root + ((square - p.high) - p.low + rest) / (2 * root);
 }
 
-/* Scales the sides if their squares would overflow or underflow. */
+/* Returns sqrt(x^2 + y^2); the sides are scaled if their squares would overflow or underflow. */
 double fixed_hypot(double x, double y)
 {
     const double p = fabs(x), q = fabs(y);
@@ -211,9 +212,9 @@ double fixed_hypot(double x, double y)
     return hypotenuse(a * scale, b * scale) / scale;
 }
 
-/* Writes |x| as u 2^3k with 1 <= u < 8 and estimates u^(-1/3) by a polynomial (Remez exchange, to
- * 2^-14.7), which a Newton step improves to 2^-28. The root u y^2 is cut to 26 bits, so that its
- * square is exact, and corrected by what its cube lacks. */
+/* Returns the cube root of x = u 2^3k, 1 <= u < 8. A polynomial (Remez exchange, to 2^-14.7)
+ * estimates u^(-1/3), which a Newton step improves to 2^-28. The root u y^2 is cut to 26 bits, so
+ * that its square is exact, and corrected by what its cube lacks. */
 double fixed_cbrt(double x)
 {
     static const double shrunk[] = {1, 0x1.965fea53d6e3dp-1, 0x1.428a2f98d728bp-1}; /* 2^(-i/3) */

@@ -82,7 +82,7 @@ static uint64_t quarters_of(double x, double *r, double *low)
 
 /* ---- one argument ---- */
 
-/* An odd number of quarter turns exchanges sine and cosine; two change the sign. */
+/* Returns sin x. An odd number of quarter turns exchanges sine and cosine; two change the sign. */
 double fixed_sin(double x)
 {
     const double size = fabs(x);
@@ -96,7 +96,7 @@ double fixed_sin(double x)
     return (x < 0) != ((quarters & 2) != 0) ? -value : value;
 }
 
-/* The cosine is the sine of one more quarter turn. */
+/* Returns cos x, as the sine of one more quarter turn. */
 double fixed_cos(double x)
 {
     const double size = fabs(x);
@@ -151,7 +151,7 @@ INLINE double tangent_rows(uint64_t odd, double r, double low)
     return odd ? -value : value;
 }
 
-/* An odd number of quarter turns makes it the cotangent with changed sign. */
+/* Returns tan x. An odd number of quarter turns makes it the cotangent with changed sign. */
 double fixed_tan(double x)
 {
     const double size = fabs(x);
@@ -177,7 +177,7 @@ double fixed_tan(double x)
 /* ---- arrays, in blocks of 64: if an argument of a block is too large for the loop, the block is
  * computed again one by one ---- */
 
-/* Sets results [n] to sin x [n]. */
+/* Sets results [n] to the sines of x [n]. */
 CLONES void fixed_sines(int n, const double *x, double *results)
 {
     for (; n > 0; n -= 64, x += 64, results += 64) {
@@ -192,7 +192,7 @@ CLONES void fixed_sines(int n, const double *x, double *results)
     }
 }
 
-/* Sets results [n] to cos x [n]. */
+/* Sets results [n] to the cosines of x [n]. */
 CLONES void fixed_cosines(int n, const double *x, double *results)
 {
     for (; n > 0; n -= 64, x += 64, results += 64) {

@@ -23,7 +23,7 @@ static double exp_shifted(double x, int shift)
     return exp_scaled(n, r, shift);
 }
 
-/* Uses exp_sum() while the result and its parts are normal numbers. */
+/* Returns e^x; exp_sum() suffices while the result and its parts are normal numbers. */
 double fixed_exp(double x)
 {
     double r;
@@ -33,8 +33,8 @@ double fixed_exp(double x)
     return exp_sum(n, r);
 }
 
-/* Works in blocks of 64; if an argument of a block is too large for the loop, the block is computed
- * again one by one. */
+/* Sets results [n] to e^x [n], in blocks of 64. If an argument of a block is too large for the
+ * loop, the block is computed again one by one. */
 CLONES void fixed_exponentials(int n, const double *x, double *results)
 {
     for (; n > 0; n -= 64, x += 64, results += 64) {
@@ -58,8 +58,8 @@ CLONES void fixed_exponentials(int n, const double *x, double *results)
 /* Smaller arguments have series of their own, in which nothing cancels. */
 #define SERIES_X_MAX 0.125
 
-/* Uses a series for small |x|; beyond it subtracts 1 from the larger part of e^x, which is exact in
- * two parts. */
+/* Returns e^x - 1: by a series for small |x|, beyond it by subtracting 1 from the larger part of
+ * e^x, which is exact in two parts. */
 double fixed_expm1(double x)
 {
     if (!(fabs(x) <= EXP_ALONE_MIN))
@@ -92,7 +92,8 @@ INLINE double both_signs(double x, double sign)
     return sum.high + (sum.low + rest);
 }
 
-/* Uses a series for small |x|, in which nothing cancels, then (e^x - e^-x)/2. */
+/* Returns sinh x: by a series for small |x|, in which nothing cancels, beyond it as (e^x -
+ * e^-x)/2. */
 double fixed_sinh(double x)
 {
     const double size = fabs(x);
@@ -124,7 +125,8 @@ INLINE double tanh_rest(double x)
     return x * s * (low + q * q * high);
 }
 
-/* Computes 1 - 2/(e^2x + 1), with the quotient in two parts. */
+/* Returns tanh x: as x plus a polynomial for small |x|, beyond it as 1 - 2/(e^2x + 1), with the
+ * quotient in two parts. */
 double fixed_tanh(double x)
 {
     const double size = fabs(x);

@@ -76,7 +76,8 @@ static double special_power(double x, double y)
     return signbit(x) && is_odd(y) ? -size : size;
 }
 
-/* Computes |x|^y; a negative x has a power only for whole y, with the sign minus if y is odd. */
+/* Returns x^y, as C's pow() does: |x|^y, with a minus sign for a negative x and odd y; NaN for a
+ * negative x and a y that is not whole. */
 double fixed_pow(double x, double y)
 {
     const double size = fabs(x);

@@ -102,7 +102,8 @@ static void complete_event(struct completion *c, struct text rest)
     complete_offer(c, "do", "");
 }
 
-/* Offers names of lines before the '=', names in expressions behind it. */
+/* Completes a line that defines a scene or an event: names of lines before the '=', names in
+ * expressions behind it. */
 void complete_formula(struct completion *c, const struct command *command, struct text rest)
 {
     const bool var = command->completes == COMPLETES_VARIABLE,

@@ -77,8 +77,8 @@ static bool is_met(const struct run_target *target)
            condition_holds(target->condition, condition_value(target->condition, target->scope));
 }
 
-/* The run continues only if the commands of all events at this time end in `continue`, and if the
- * condition of `run until` was not met by their changes. */
+/* Executes the commands of the events that have stopped the run. Returns true if the run continues:
+ * all of them end in `continue`, and they have not met the condition of `run until`. */
 bool events_pass(struct session *session, const struct run_target *target, struct event_pass *pass,
                  const struct arguments *args, struct reply *reply, bool *ok, struct error *error)
 {

@@ -20,7 +20,8 @@ bool takes_long(double seconds)
     return seconds > seconds_asked;
 }
 
-/* Asks a person at a prompt; a person who watches the run can pause it and is not asked. */
+/* Returns true if the run may take that long [s]: it is short, forced, or a person at the prompt
+ * agrees or watches it and can pause it; else false with the error set. */
 bool allow_long(struct session *session, double seconds, double steps, bool force,
                 struct error *error)
 {
@@ -285,7 +286,8 @@ static void reply_running(const struct session *session, struct reply *reply)
         reply_line(reply, "it follows the clock; 'speed max' runs as fast as possible");
 }
 
-/* Advances from event to event until one of them stops the run or the target is reached. */
+/* Advances the current run along its last request, from event to event, until one of them stops it
+ * or the target is reached, and replies with the result. */
 bool run_go_on(struct session *session, const struct arguments *args, int64_t steps, bool clocked,
                struct reply *reply, struct error *error)
 {

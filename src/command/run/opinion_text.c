@@ -6,7 +6,8 @@
 
 #include <math.h>
 
-/* Records have the error among their fields, so that they justify more work. */
+/* Has the error of a run estimated, as far as the setting and the reply ask for it. Records have
+ * the error among their fields, which justifies more work. */
 void seek_opinion(const struct session *session, struct run *run, const struct reply *reply)
 {
     const int kind = session->setup.settings.opinion;
@@ -159,7 +160,8 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     return ok;
 }
 
-/* Names at most three variables in text; JSON has a list of them. */
+/* Replies which variables have no certain digit; at most three are named in text, JSON has a list
+ * of them. */
 void reply_below_tolerance(const struct run *run, struct reply *reply)
 {
     enum { NAMED = 3 };

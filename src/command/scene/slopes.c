@@ -6,8 +6,8 @@
 #include <float.h>
 #include <math.h>
 
-/* Reads the value at two states for each variable, and for the time, and takes central
- * differences. */
+/* Finds the derivatives of a value by each variable and by time: reads it at two states for each
+ * and takes central differences. Returns false if it cannot be read there. */
 bool find_slopes(const struct parser *initial, struct run *run, const char *what,
                  enum quantity quantity, double *slope)
 {
@@ -36,7 +36,7 @@ bool find_slopes(const struct parser *initial, struct run *run, const char *what
     return ok;
 }
 
-/* Tests only commands of an event in an adaptive run, by the slopes of the value. */
+/* Returns true if a value that an event sets in an adaptive run depends on the state. */
 bool value_depends(struct session *session, const struct parser *value)
 {
     struct run *run = session_run(session);
@@ -50,7 +50,7 @@ bool value_depends(struct session *session, const struct parser *value)
     return depends;
 }
 
-/* Marks the slopes of the present jump as unknown (NAN). */
+/* Marks the slopes of the jump by an event as unknown (NAN). */
 void forget_jump_slopes(struct session *session)
 {
     double slope[LIMIT_VARIABLES + 1];

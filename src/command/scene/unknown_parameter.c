@@ -43,7 +43,8 @@ static bool other_kind(const struct session *session, struct text name, struct t
     return error->code != ERROR_NONE;
 }
 
-/* Names a left-out module or the other kind of the name first, else suggests similar names. */
+/* Sets the error for a name that is no parameter: it names a left-out module or the other kind of
+ * the name, else similar names. Returns false. */
 bool unknown_parameter(const struct session *session, struct text name, struct text value,
                        struct error *error)
 {

@@ -117,7 +117,8 @@ static void put_stable(double limit, struct buffer *line)
         buffer_format(line, "%-8.3g ", limit);
 }
 
-/* Writes the heading before the first method that fits. */
+/* Lists the methods that fit the words, as a table with a heading, and calls record for each.
+ * Returns false with the error set if none does. */
 bool list_methods(struct text words, const struct cancel *cancel,
                   void (*record)(const struct row *row, double stable, struct reply *reply),
                   struct reply *reply, struct error *error)

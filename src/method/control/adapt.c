@@ -264,8 +264,8 @@ static enum step_status adapt_any(const struct method *method, struct step *step
     return status;
 }
 
-/* Chooses the fastest code for the system: a kernel, an instance for its number of variables, or
- * adapt_any(). */
+/* Takes one accepted step towards t_end, by the fastest code for the system: a kernel, an instance
+ * for its number of variables, or adapt_any(). */
 enum step_status method_adapt(const struct method *method, struct step *step,
                               struct controller *controller, double t_end)
 {

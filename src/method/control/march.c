@@ -2,7 +2,8 @@
 /* Many steps of one size: as many as a kernel takes, the others one by one. */
 #include "method/step/step.h"
 
-/* Tries the step at which a kernel has ended early once more, which gives the reason. */
+/* Takes the steps of a march, as many as possible by the kernel. Returns how many; the step at
+ * which a kernel ended early is tried once more, which gives the reason in *status. */
 int64_t method_march(const struct method *method, march_function *kernel, const struct march *march,
                      enum step_status *status)
 {

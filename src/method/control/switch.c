@@ -212,8 +212,8 @@ static bool cannot_switch(const struct system *system, double h, const double *y
            fabs(y[0] - y_begin[0] - mean) <= MEAN_SPEED_TOLERANCE * fabs(mean);
 }
 
-/* Finds the first branch that ends, then takes the step again over secant estimates of its end
- * until the guard is 0 within the tolerance. */
+/* Ends a step at the first branch that ends in it: takes the step again over secant estimates of
+ * that time until the guard is 0 within the tolerance. */
 enum step_status switch_step(const struct method *method, struct step *step, double t,
                              const double *y_begin, const double *low, int *ended)
 {
@@ -278,8 +278,8 @@ bool switch_is_there(struct step *step)
     return there;
 }
 
-/* Chooses the branch on the other side of the switch that ended the step, and counts switches to
- * recognise piling up. */
+/* Notes an accepted step: chooses the branch on the other side of the switch that ended it, and
+ * counts switches to recognise piling up. */
 void switch_next(struct step *step, struct switches_state *state, int ended)
 {
     memcpy(state->taken, state->branch, sizeof state->taken);

@@ -245,7 +245,8 @@ void switch_go_back(struct step *step, const struct system *frozen)
         step->warm = false;
 }
 
-/* Determines branches anew if the state was changed since the last step. */
+/* Finds the branches at the start of a step and freezes the system on them; they are determined
+ * anew if the state was changed since the last step. Returns false if none leads on. */
 bool switch_begin(struct step *step, struct switches_state *state, double probe_step,
                   struct sliding *sliding, struct system *frozen)
 {

@@ -132,7 +132,8 @@ static enum step_status step_segment(const struct method *method, struct step *s
     return status;
 }
 
-/* Takes segments until they fill the step; on failure the state at its start is restored. */
+/* Takes a step in segments that meet at switches, until they fill it; on failure the state at its
+ * start is restored. */
 enum step_status switched_step(const struct method *method, struct step *step)
 {
     const size_t size = (size_t)step->system->n * sizeof *step->y;
@@ -167,7 +168,8 @@ enum step_status switched_step(const struct method *method, struct step *step)
     return status;
 }
 
-/* Takes the steps one by one; no kernel knows switches of typed equations. */
+/* Takes the steps of a march one by one, since no kernel knows switches of typed equations. Returns
+ * how many. */
 int64_t switched_march(const struct method *method, const struct march *march,
                        enum step_status *status)
 {

@@ -59,8 +59,8 @@ static double turning_time(const struct near_turn *p, const struct near_turn *q)
     return (x - p->x) * (q->x - x) > 0 ? x : p->x + (q->x - p->x) / 2;
 }
 
-/* Takes the step again over better and better estimates of the turning point's time, until the
- * velocity is 0 within the tolerance. */
+/* Ends a step at the turning point in it, if there is one: takes it again over better and better
+ * estimates of that time, until the velocity is 0 within the tolerance. */
 enum step_status turn_step(const struct method *method, struct step *step, double t,
                            const double *y_begin, const double *low, bool *turned)
 {
@@ -95,7 +95,8 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
     return STEP_OK;
 }
 
-/* Takes segments until they fill the step; on failure the state at its start is restored. */
+/* Takes a step in segments that meet at turning points, until they fill it; on failure the state at
+ * its start is restored. */
 enum step_status method_turning_step(const struct method *method, struct step *step)
 {
     if (method_meets_switches(method, step->system))
@@ -231,7 +232,8 @@ static int64_t steps_to_try(const double *row, int64_t last, bool branches)
     return max >= 1 ? (int64_t)max : 0;
 }
 
-/* Tries many steps at once by the kernel between turning points, and single steps next to them. */
+/* Takes the steps of a march in a scene with turning points: many at once by the kernel between
+ * them, single ones next to them. Returns how many. */
 int64_t method_turning_march(const struct method *method, march_function *kernel,
                              const struct march *march, enum step_status *status)
 {

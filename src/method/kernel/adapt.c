@@ -40,8 +40,8 @@ enum { MOST = 4 };
 
 #define TYPED_ENTRY(name, n) STEP_NAME(name),
 
-/* Returns NULL for systems of up to four variables without typed terms that have no shape, which
- * use the general step. */
+/* Returns the step compiled for the method and the size of the system, or NULL for the general
+ * one. */
 step_function *method_step_kernel(const struct method *method, const struct system *system)
 {
     static step_function *const steps[][TYPED_COUNT] = {

@@ -168,7 +168,7 @@ MOTION_SHAPES(ANY_KERNEL)
 #define ANY_ENTRY(shape) [SHAPE_##shape] = shape##_irk,
 #define IRK_ENTRY(shape) [SHAPE_##shape] = IRK_NAME(shape),
 
-/* Prefers the kernel with constant weights. */
+/* Returns the kernel for method and shape, with constant weights if there is one, or NULL. */
 march_function *implicit_kernel(const struct method *method, const struct system *system)
 {
     static march_function *const any[SHAPE_COUNT] = {CLOSED_SHAPES(ANY_ENTRY)

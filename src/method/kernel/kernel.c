@@ -81,7 +81,8 @@ static march_function *const splittings[][SHAPE_COUNT] = {
 #include "method/rows/split.def"
 };
 
-/* Prefers kernels for row and shape, then those for the shape, then those for any scene. */
+/* Returns the fastest kernel for method and system: for row and shape, for the shape, or for any
+ * scene; NULL if there is none. */
 march_function *method_kernel(const struct method *method, const struct system *system,
                               enum drag drag)
 {

@@ -113,7 +113,8 @@ static void sum_close(struct typed_sum *sum, const struct system *system)
                    : (struct typed_addend){sum_run, NULL, system->term, (double *)(void *)sum};
 }
 
-/* Uses the program of the whole right-hand side if there is one, else the sum of the terms. */
+/* Prepares the forces of a system as functions: the program of the whole right-hand side if there
+ * is one, else the sum of the terms. Returns false if they do not fit. */
 bool known_take(struct typed_forces *known, const struct system *system)
 {
     const struct bound_term *const whole = system_whole(system);
@@ -136,7 +137,8 @@ bool known_take(struct typed_forces *known, const struct system *system)
     return true;
 }
 
-/* Shapes of more than one coordinate need all forces in one program. */
+/* Returns the shape of a typed system, or -1. Shapes of more than one coordinate need all forces in
+ * one program. */
 int typed_shape(const struct system *system, bool splits)
 {
     struct typed_forces known;

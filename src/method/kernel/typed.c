@@ -34,7 +34,8 @@ static march_function *const kernels[][TYPED_COUNT] = {
 #include "method/rows/rk.def"
 };
 
-/* Falls back to kernels for any number of variables. */
+/* Returns the kernel of a typed scene of up to four variables, else one for any number of
+ * variables. */
 march_function *typed_kernel(const struct method *method, const struct system *system,
                              enum drag drag)
 {

@@ -109,7 +109,8 @@ static const struct row drags[] = {
 
 const struct catalog drag_catalog = CATALOG("drag variant", drags);
 
-/* Refuses external methods, which have no fixed steps, and unstable splittings. */
+/* Returns false with the error set if the method cannot take steps of h: external ones, which have
+ * no fixed steps, and unstable splittings. */
 bool method_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                  struct error *error)
 {
@@ -192,8 +193,8 @@ static bool check_needs(const struct method *method, const struct system *system
     return true;
 }
 
-/* Checks the needs of the method on the system that it really steps, which is frozen if it meets
- * switches. */
+/* Returns true if the method can step the system, with the drag variant in *drag. Methods that meet
+ * switches are tested with the frozen system that they step. */
 bool method_applies(const struct method *method, const struct system *system, enum drag *drag,
                     struct error *error)
 {
@@ -211,7 +212,7 @@ enum step_status method_step(const struct method *method, struct step *step)
     return step_take(method, step);
 }
 
-/* Returns 3 for the cubic Hermite polynomial of methods without their own. */
+/* Returns the degree of the method's dense output, which is 3 for the cubic Hermite polynomial. */
 int method_dense_degree(const struct method *method)
 {
     if (!method->dense)
@@ -223,7 +224,8 @@ int method_dense_degree(const struct method *method)
     return method->rosenbrock ? method->rosenbrock->degree + 1 : DENSE_DEGREE;
 }
 
-/* Uses the cubic Hermite polynomial for methods without their own. */
+/* Computes the state at t + theta h after a step, by the method's dense output or else the cubic
+ * Hermite polynomial. */
 void method_dense(const struct method *method, const struct step *step, const double *y_begin,
                   double theta, double *y)
 {

@@ -69,7 +69,7 @@ size_t avf_work(const struct method *method, int n)
     return (size_t)n + newton_capacity(1, n);
 }
 
-/* Solves z = h (mean of f) for the increment z, from 0. */
+/* Takes a step: solves z = h (mean of f) for the increment z, from 0. */
 enum step_status avf_step(const struct method *method, struct step *step)
 {
     (void)method;

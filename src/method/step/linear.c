@@ -84,7 +84,7 @@ static void amplify(const struct linear_scene *oscillation, double x, double mat
     free(work);
 }
 
-/* Returns false for methods without a one-step matrix, and if a step fails. */
+/* Computes the one-step matrix. Returns false for methods without one, and if a step fails. */
 bool method_amplification(const struct method *method, enum drag drag, double x, double zeta,
                           double matrix[4])
 {
@@ -134,7 +134,8 @@ static double growth_excess(const struct linear_scene *oscillation, double x)
     return isnan(radius) ? HUGE_VAL : radius - 1;
 }
 
-/* Goes up in x until growth exceeds the margin, then bisects. */
+/* Returns the largest stable x = omega dt: goes up in x until growth exceeds the margin, then
+ * bisects. */
 double method_stable_limit_signed(const struct method *method, enum drag drag, double zeta,
                                   enum stiffness_sign sign)
 {

@@ -138,8 +138,8 @@ static double weighted_past(const double *w, int count, const double *past, int 
     return sum;
 }
 
-/* Adds the newest value to the history, and takes a step by the starter until the history is long
- * enough. */
+/* Takes a step and adds the newest value to the history; the starter takes it while the history is
+ * too short. */
 enum step_status multistep_step(const struct method *method, struct step *step)
 {
     const struct multistep *multistep = method->multistep;
@@ -247,7 +247,8 @@ static double growth_of(const struct multistep *multistep, double complex z)
     return largest_root(steps, p);
 }
 
-/* Splits the oscillation into its two eigenvalues; a complex pair has the same growth. */
+/* Returns the growth per step on an oscillation, by its two eigenvalues; a complex pair has the
+ * same growth. */
 double multistep_growth(const struct method *method, double x, double zeta,
                         enum stiffness_sign sign)
 {

@@ -143,8 +143,8 @@ static bool iterate_contracting(const struct newton *equations, struct step *ste
     return last <= INCREMENT_STALL_RELATIVE;
 }
 
-/* Grows the part of h after each success and shrinks it after a failure, from the solution for h =
- * 0. */
+/* Follows the solution from h = 0 in parts of h that grow after each success and shrink after a
+ * failure. Returns false, with z unchanged, if it does not reach h. */
 bool newton_follow(const struct newton *equations, struct step *step, int n, double t, double h,
                    const double *y, double *z, const double *weight, double *work)
 {
@@ -170,7 +170,8 @@ bool newton_follow(const struct newton *equations, struct step *step, int n, dou
     return true;
 }
 
-/* Uses the factors of earlier steps if the system is linear or convergence was fast. */
+/* Solves the equations for the increments z, to the tolerance in adaptive steps, else to rounding.
+ * Factors of earlier steps are used if the system is linear or convergence was fast. */
 enum step_status newton_solve(const struct newton *equations, struct step *step, double t, double h,
                               const double *y, double *z, double *work)
 {
@@ -201,8 +202,8 @@ static enum step_status solve_oscillator(struct step *step, double t, double h, 
     return oscillator_stage(o, o->quadratic != 0, force, step, h, y, z, sum);
 }
 
-/* Uses the closed form of the oscillator, motion_stage() in fixed steps of one coordinate, else
- * newton_solve(). */
+/* Solves z = h f(t, y + z): in closed form for the oscillator, by motion_stage() in fixed steps of
+ * one coordinate, else by newton_solve(). */
 enum step_status newton_stage(struct step *step, double t, double h, const double *y, double *z,
                               double *sum, double *work)
 {

@@ -29,7 +29,7 @@ static void nystrom_position(const struct step *step, double c, const double *w,
     }
 }
 
-/* Computes the stages k, positions and velocities, then the error estimate. */
+/* Takes a step: stages k, then positions and velocities, then the error estimate. */
 enum step_status nystrom_step(const struct method *method, struct step *step)
 {
     const struct nystrom *nystrom = method->nystrom;

@@ -16,8 +16,8 @@ static double *interpolant_ready(const struct tableau *tableau, const struct ste
     return step->work + (tableau->stages + tableau->extra + 1) * step->system->n;
 }
 
-/* Computes stages, new state and error estimate. The first slope is reused if it is known: the last
- * of the step before (FSAL), or that of a rejected attempt. */
+/* Takes a step: stages, new state, error estimate. The first slope is reused if it is known: the
+ * last of the step before (FSAL), or that of a rejected attempt. */
 enum step_status rk_step(const struct method *method, struct step *step)
 {
     const struct tableau *tableau = method->tableau;

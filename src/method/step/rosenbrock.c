@@ -95,7 +95,7 @@ static enum step_status large_step(const struct rosenbrock *rosenbrock, struct s
     return step_increase(step, sum);
 }
 
-/* Calls the inlined code for up to three variables, else large_step(). */
+/* Takes a step by the inlined code for up to three variables, else by large_step(). */
 enum step_status rosenbrock_step(const struct method *method, struct step *step)
 {
     const struct rosenbrock *rosenbrock = method->rosenbrock;

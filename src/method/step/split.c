@@ -38,8 +38,8 @@ static double backward_kick(const struct splitting *splitting)
     return -min;
 }
 
-/* Refuses steps in which a backward kick over w multiplies the velocity, and all errors with it, by
- * more than e: the factor is exp(gamma w). */
+/* Returns true unless a backward kick over w multiplies the velocity, and all errors with it, by
+ * more than e, since the factor is exp(gamma w); then sets an error. */
 bool split_fits(const struct method *method, const struct system *system, enum drag drag, double h,
                 struct error *error)
 {

@@ -332,7 +332,8 @@ static double spectral_radius(const double m[9])
     return fmax(fabs(low), split >= 0 ? fabs(sum) / 2 + sqrt(split) : sqrt(product));
 }
 
-/* Steps three unit vectors; the acceleration is part of the state. */
+/* Returns the growth per step on an oscillation, by stepping three unit vectors; the acceleration
+ * is part of the state. */
 double structural_growth(const struct method *method, double x, double zeta,
                          enum stiffness_sign sign)
 {

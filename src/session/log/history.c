@@ -78,7 +78,8 @@ bool history_begin(struct session *session, size_t line, struct text line_text,
     return true;
 }
 
-/* Stores the statement's full text only if it differs from what was typed. */
+/* Ends the entry of a statement: adds flags, and its full text only if it differs from what was
+ * typed. */
 void history_end(struct session *session, size_t index, struct text full, size_t output,
                  unsigned flags)
 {
@@ -198,7 +199,8 @@ static struct text script_text(const struct session *session, const struct entry
     return text_trim(full);
 }
 
-/* Counts the lines of all script entries before the statement. */
+/* Returns the line number of a statement in the script, with its text in *line, or 0 if the script
+ * lacks it. Counts the lines of all script entries before it. */
 int history_script_line(const struct session *session, size_t statement, struct text *line)
 {
     const struct history *log = &session->history;
@@ -244,7 +246,7 @@ bool history_fails(const struct session *session)
     return false;
 }
 
-/* Shortens the text to LIMIT_NAME bytes, at whole characters. */
+/* Fills label with the text of a statement, shortened to LIMIT_NAME bytes at whole characters. */
 void history_label(const struct session *session, size_t index, char label[LIMIT_NAME + 1])
 {
     struct buffer text = {0};
@@ -263,7 +265,8 @@ void history_label(const struct session *session, size_t index, char label[LIMIT
 
 /* ---- the file of `record` ---- */
 
-/* Closes the record of another file, if there is one, only after the new file is open. */
+/* Begins to append statements to a file; the record of another file is closed only after the new
+ * one is open. Returns false with the error set. */
 bool record_open(struct session *session, const char *path, struct error *error)
 {
     char *copy = strdup(path);
@@ -313,7 +316,8 @@ bool record_close(struct session *session, struct error *error)
     return ok;
 }
 
-/* Locks the file while it appends, since several programs may record into it. */
+/* Appends statements to the file of `record`, which it locks meanwhile, since several programs may
+ * record into it. Returns false with the error set, and ends the recording. */
 bool record_append(struct session *session, size_t first, struct error *error)
 {
     if (session->transcript.fd < 0)

@@ -166,8 +166,9 @@ bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error)
     return journal_add(slot, again, text_of(request->condition), error);
 }
 
-/* Adds a request if going back is remembered (adaptive runs, methods with memory, rows at even
- * times); otherwise removes the requests made after the present step. */
+/* Brings the journal up to date after the run was taken back: adds a request if going back has to
+ * be repeated (adaptive runs, methods with memory, rows at even times), else removes the requests
+ * made after the present step. */
 bool journal_back(struct run_slot *slot, int64_t old_step, double before_t, int64_t rows,
                   struct error *error)
 {
@@ -193,8 +194,8 @@ bool journal_back(struct run_slot *slot, int64_t old_step, double before_t, int6
     return true;
 }
 
-/* Takes the last change of each parameter, reading from the end; intermediate values do not
- * matter. */
+/* Fills in the scene with the parameters in force: reading from the end, the last change of each
+ * one counts. */
 void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene)
 {
     bool is_known[PARAM_MAX] = {false};
@@ -329,7 +330,8 @@ static bool parameter_changes_at(const struct request *last, int64_t step)
     return false;
 }
 
-/* Goes back to the last row of the common way, and repeats the requests from there. */
+/* Takes the run to the state at the end of another list: goes back to the last row that both lists
+ * share, and repeats the requests from there. Returns false if out of memory. */
 bool journal_restore(struct session *session, struct run_slot *slot, struct request *last,
                      int64_t steps, double t)
 {

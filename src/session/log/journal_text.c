@@ -106,8 +106,9 @@ void journal_put_change(const struct run *run, const struct request *request, st
     buffer_exact(text, request->value, param ? param->quantity : variable->quantity);
 }
 
-/* Walks through the requests; each interval between two of them belongs to the latest
- * REQUEST_GO. */
+/* Appends the commands that repeat the requests; each interval between two of them belongs to the
+ * latest REQUEST_GO. Returns false, with nothing appended, if a condition is not portable or memory
+ * runs out. */
 bool journal_write(const struct session *session, const struct run_slot *slot, int first,
                    int64_t first_step, int number, bool by_events, struct buffer *text)
 {

@@ -16,7 +16,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* `new` starts a typed scene that is based on no preset. */
+/* Writes the command that chooses the preset, or begins a typed scene (new), and its lines. */
 void scene_kind_script(const struct scene *scene, struct buffer *text)
 {
     buffer_format(text, "scene %s%s\n", typed_base(scene->model) ? "" : "new ",

@@ -147,7 +147,8 @@ static void copy_fields(const struct recording *source, struct recording *target
     }
 }
 
-/* Copies lists and set-up; runs and recordings get another owner. */
+/* Returns a copy of lists and set-up, in which runs and recordings get another owner; NULL if out
+ * of memory. */
 struct snapshot *snapshot_take(const struct session *session, const char *label)
 {
     struct snapshot *snapshot = calloc(1, sizeof *snapshot);
@@ -233,7 +234,8 @@ static bool same_recording(const struct recording_slot *slot, const struct recor
     return same;
 }
 
-/* Settings of display do not count, since they are not undone. */
+/* Returns true if going back to the snapshot would change anything; settings of display do not
+ * count, since they are not undone. */
 bool undo_matters(const struct session *session, const struct snapshot *previous)
 {
     if (session->runs.count != previous->runs || session->recordings != previous->recordings ||
@@ -298,7 +300,7 @@ static void free_snapshots(struct session *session, int first, int count)
         snapshot_free(session->undo.state[first + i]);
 }
 
-/* Drops the snapshots of redo, and the oldest one if there are too many. */
+/* Adds a snapshot for undo; drops those of redo, and the oldest one if there are too many. */
 void undo_push(struct session *session, struct snapshot *previous, size_t statement)
 {
     free_snapshots(session, session->undo.undos, session->undo.redos);
