@@ -87,8 +87,7 @@ static inline bool curve_drawn(const struct figure *figure, int curve)
 
 /* First exit of a curve through one side of the plot (left, right, bottom, top). */
 struct curve_exit {
-    /* The curve leaves through this side. */
-    bool left;
+    bool left;   /* The curve leaves through this side. */
     double x, y; /* Position of the exit, in fractions of the axes. */
 };
 
@@ -97,7 +96,7 @@ struct curve_exit {
 bool curve_exits(const struct figure *figure, const struct figure_layout *layout, int curve,
                  struct curve_exit exits[4]);
 
-/* Makes a figure of each panel of a figure. Returns their number. */
+/* Makes a figure of its own for each panel. Returns the number of panels. */
 int figure_parts(const struct figure *figure, struct figure part[PANELS_MAX]);
 /* Returns true if two planes have more room side by side than one below the other in a rectangle of
  * this size [cell]. */

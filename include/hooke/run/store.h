@@ -6,7 +6,8 @@
 #include <hooke/base/fields.h>
 #include <hooke/run.h>
 
-struct stored_rows { /* A piece of consecutive rows, as run_store_rows() has written them. */
+/* A piece of consecutive rows, as run_store_rows() has written them. */
+struct stored_rows {
     /* Index of the first row, number of rows, and bytes per row. */
     size_t first, count, row_bytes;
     /* The bytes, owned by the caller. */

@@ -22,22 +22,20 @@ struct charset_choice {
 /* Returns the functions that describe figures in words, or NULL if no module of this build has any.
  */
 const struct figure_words *charset_words(void);
-/* Use of colours. */
+/* Use of colours in plots: on terminals unless NO_COLOR is set, always, or never. */
 enum color_choice { COLOR_AUTO, COLOR_ALWAYS, COLOR_NEVER };
 /* Axes of the phase plot: v/omega0 or v. */
 enum phase_axes { PHASE_SCALED, PHASE_RAW };
-/* Synchronised output of the screen. */
+/* Pace of the frames of the live view. */
 enum sync_choice {
-    /* The next frame waits for the terminal's answer if it answers. */
-    SYNC_AUTO,
-    SYNC_ON,
-    SYNC_OFF
+    SYNC_AUTO, /* As SYNC_ON if the terminal answers, else as SYNC_OFF. */
+    SYNC_ON,   /* The next frame waits until the terminal has shown the last one. */
+    SYNC_OFF   /* Frames do not wait. */
 };
 /* View of a live run. */
 enum view_choice {
-    /* It fills the plot, then begins a new page; or it scrolls by cells. */
-    VIEW_PAGE,
-    VIEW_SCROLL
+    VIEW_PAGE,  /* It fills the plot, then begins a new page: few bytes for slow lines. */
+    VIEW_SCROLL /* It scrolls by whole cells. */
 };
 
 /* Sums of fixed steps, plain or compensated (Kahan 1965). */
@@ -51,7 +49,7 @@ enum pager { PAGER_OFF, PAGER_ON };
  * none. */
 enum opinion_choice { OPINIONS_AUTO, OPINIONS_FULL, OPINIONS_WARN, OPINIONS_OFF };
 
-/* Values of all settings; the fields come from settings.def. */
+/* Values of all settings. Each row of settings.def defines a field, or a pair of fields. */
 struct settings {
 #define SETTING(type, field, ...) type field;
 #define SETTING_PAIR(type, field, second, ...) type field, second;
@@ -61,7 +59,8 @@ struct settings {
     bool dt_chosen, tol_chosen, duration_chosen;
 };
 
-/* Methods that use the setting: all, those with fixed steps, those with a tolerance. */
+/* Methods that use a setting, about which `set` tells the user: all, those with fixed steps, those
+ * with a tolerance. */
 enum setting_use { USE_ANY, USE_STEP, USE_TOLERANCE };
 
 /* A setting: a row of setting_catalog. */

@@ -12,7 +12,7 @@
 /* Content of the file of a session so far, so that only changes are appended; all zeros for an
  * empty file. */
 struct stored {
-    /* [runs] stored runs. */
+    /* [runs] what the file contains of each run; private to the module `resume`. */
     struct stored_run *run;
     int runs, run_capacity;
     uint64_t recording[LIMIT_RECORDINGS]; /* [recordings] checksums of their files. */
