@@ -307,14 +307,15 @@ int64_t method_march(const struct method *method, march_function *kernel, const 
  * ---- step-size control ----
  *
  * method_adapt() takes one accepted step with |error_i| <= fraction tol max(scale_i, |y_i|) in the
- * RMS sense, where fraction is that of struct method (tol^(k/p) in place of tol if the estimate is
- * of order k and the method of order p); step sizes follow from digital filters (Soderlind 2003).
+ * RMS sense, where fraction is that of struct method. If the estimate is of order k and the method
+ * of order p, tol^(k/p) replaces tol. Step sizes follow from digital filters (Soderlind 2003).
+ *
  * tol is relative to sizes of the scene, never to raw SI numbers: scale_i = (mean of max(|y_i|,
  * s_i)^(1/4))^4 over the time of the run so far, where s_i is the system's natural size. So a size
- * that was guessed too small does no harm, no size is 0 or infinite, and a short peak, as of a
- * relaxation oscillation, does not make the motion between peaks inaccurate, as the maximum of
- * |y_i| would (the phase of the Oregonator was wrong by 3e-7 at tol 1e-13). If the scene gives an
- * atol_i, tol scale_i = atol_i instead. The fraction of each row makes methods comparable: after
+ * that was guessed too small does no harm, and no size is 0 or infinite. A short peak, as of a
+ * relaxation oscillation, does not make the motion between peaks inaccurate; the maximum of |y_i|
+ * as a scale would (the phase of the Oregonator was wrong by 3e-7 at tol 1e-13). If the scene gives
+ * an atol_i, tol scale_i = atol_i instead. The fraction of each row makes methods comparable: after
  * some ten periods of an oscillation the accumulated error is at most ten times tol.
  *
  * A step goes towards t_end, on either side of t, and never past it; one that reaches it sets t =

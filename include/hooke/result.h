@@ -147,9 +147,9 @@ void reply_reals(struct reply *reply, const char *key, const double *value, int 
                  const char *unit);
 void reply_close(struct reply *reply); /* Closes the innermost open object or array. */
 void reply_end(struct reply *reply);   /* Closes all that is open and writes the record. */
-/* Writes `count` rows of a table from row `first`, one record each. If not `headed`, CSV has no
+/* Writes `count` rows of a table from row `first`, one record each. Without `headed`, CSV has no
  * header, because it was written with an earlier part of the table. Returns false if table->cancel
- * was set, with the rows before written. */
+ * was set; earlier rows have then been written. */
 bool reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
                       size_t first, size_t count, bool headed);
 

@@ -19,10 +19,10 @@ struct catalog;
  * ---- trace: the rows that were recorded ----
  *
  * A row is a state of n values with its time. The last row is always the current state, recorded or
- * not. With fixed steps the times are t0 + i dt and not stored. If there are too many rows, a trace
- * with RECORD_AUTO, whose rows carry their step index, is decimated: pairs of buckets are merged,
- * of which the first row and those with the smallest and largest position are kept, so that no peak
- * is lost. Pointers into the trace are valid until the run changes.
+ * not. With fixed steps the times are t0 + i dt and not stored. A trace with RECORD_AUTO, whose
+ * rows carry their step index, is decimated if there are too many rows: pairs of buckets are
+ * merged. Of each pair the first row and those with the smallest and largest position remain, so
+ * that no peak is lost. Pointers into the trace are valid until the run changes.
  */
 
 struct trace;
@@ -43,11 +43,10 @@ size_t trace_bytes(const struct trace *trace); /* Returns the memory [byte] that
 
 /* ---- settings and the plan ---- */
 
-/* Ways to compute fixed steps, the fastest first. A propagator (linear scene of two variables
- * without a drive) multiplies by powers of the method's one-step matrix: no forces are evaluated,
- * and states differ from those of the other two ways, which have the same bits, by a few eps per
- * step. A specialised kernel is code for one method and kind of scene; the general way works for
- * all. */
+/* Ways to compute fixed steps, the fastest first. A propagator multiplies by powers of the method's
+ * one-step matrix, for linear scenes of two variables without a drive; no forces are evaluated. A
+ * specialised kernel is code for one method and kind of scene; the general way works for all. These
+ * two have the same bits, from which states of the propagator differ by a few eps per step. */
 enum kernel { KERNEL_PROPAGATOR, KERNEL_SPECIALISED, KERNEL_GENERAL };
 
 /* Names of the ways, struct row at the index of the enum: propagator, specialised, general. */

@@ -136,8 +136,8 @@ void run_ledger(const struct run *run, struct ledger *ledger);
  * largest in a sample of rows if no work is done, else NAN. */
 void run_ledger_brief(const struct run *run, struct ledger *ledger);
 /* Returns the ratio of the largest energy of a row to that at the start, if the motion went through
- * far larger energies than at its start and end: then an error "of E0" has to be compared with it.
- * Otherwise returns NAN. Passes over all rows. */
+ * far larger energies than at its start and end; otherwise NAN. An error "of E0" has to be compared
+ * with this ratio. Passes over all rows. */
 double run_energy_peak(const struct run *run, const struct ledger *ledger);
 
 /* Errors against the exact solution over the recorded rows, in units of the amplitude max

@@ -9,11 +9,11 @@
 /* Fraction of the changes of the force in time, as a root mean square, that steps may miss. */
 #define FORCE_MISSED_SHARE 0.5
 
-/* Returns true if the force changes inside the steps of a run by other values than the beginning,
- * middle and end of each step show: because the steps are too long, or a multiple of its period, so
- * that all of them see the same phase, or because a pulse lies in one of them. Sets *dt to a step
- * [s] that resolves it, or to NAN if none was found. Returns false for adaptive runs, for exact
- * solutions, and if steps end at the jumps of a force. */
+/* Returns true if the steps of a run do not resolve how a force changes in time, so that the
+ * beginning, middle and end of each step do not show its values. Either the steps are too long, or
+ * they are a multiple of its period (all of them see the same phase), or a pulse lies inside one of
+ * them. Sets *dt to a step [s] that resolves it, or to NAN if none was found. Returns false for
+ * adaptive runs, for exact solutions, and if steps end at the jumps of a force. */
 bool run_force_unresolved(const struct run *run, double *dt);
 
 /* Returns true if a typed force depends on time, and so may have pulses; a built-in drive is a

@@ -23,9 +23,10 @@ struct suggestion;
  * (phase-error) if the scope knows it in this form. In parentheses and arguments < <= > >= compare
  * and give 1 or 0: (x < 0)*k*x; a NaN operand gives NaN.
  *
- * If n is an integer or half of one and |n| <= 16, x^n is made of multiplications, each rounded:
- * starting with r = 1, for the bits of the integer part of |n| from the highest down, r r, then r x
- * if the bit is 1; then times sqrt(x) for a half; then 1/r for n < 0. Otherwise it is pow().
+ * If n is an integer or half of one and |n| <= 16, x^n is made of multiplications, each rounded.
+ * For the bits of the integer part of |n| from the highest down, r (1 at first) is squared, then
+ * multiplied by x if the bit is 1. A half multiplies r by sqrt(x). For n < 0 the result is 1/r. All
+ * other powers are those of pow().
  */
 
 /* The names that an expression may use, as functions of the owner of their values. A slot is the
@@ -155,19 +156,18 @@ const struct expr *expr_settle(const struct expr *expr, const struct expr_scope 
 /*
  * ---- programs: compiled forms of expressions that are evaluated often ----
  *
- * A struct equations is a graph of several expressions in the same names (0 … names - 1, the slots
- * of their scope), in which common subexpressions are computed once, and to which derivatives can
- * be added. program_create() makes a program for some of its outputs with some names replaced by
- * values; it takes microseconds, so that it is done again for other values. Then call
- * program_prepare() once for each frame of work memory, and program_eval(). A program has two forms
- * with the same bits: operations on the doubles of the frame and, where the machine allows it,
- * machine code.
+ * A struct equations is a graph of several expressions in the same names, which are 0 to names - 1,
+ * the slots of their scope. Common subexpressions are computed once, and derivatives can be added.
+ * program_create() makes a program for some of its outputs, with some names replaced by values; it
+ * takes microseconds, so that it is called again for other values. Then call program_prepare() once
+ * for each frame of work memory, and program_eval(). A program has two forms with the same bits:
+ * operations on the doubles of the frame and, where the machine allows it, machine code.
  *
- * The result has the bits of expr_value(), with one exception, the rule of scenes that a term whose
- * coefficient is 0 is absent: if a factor is the number 0 once the values are inserted (not a
- * variable that happens to be 0), or a numerator is a replaced name that is 0, the term is 0 even
- * if its other factors are infinite or NaN, and adding it does not even change the sign of a zero.
- * Observed quantities do not follow this rule.
+ * The result has the bits of expr_value() but for one rule of scenes: a term whose coefficient is 0
+ * is absent. Its coefficient is 0 if a factor is the number 0 once the values are inserted (not a
+ * variable that happens to be 0), or if a numerator is a replaced name that is 0. The term is then
+ * 0 even if its other factors are infinite or NaN, and adding it does not even change the sign of a
+ * zero. Observed quantities do not follow this rule.
  */
 
 /* largest number of operations of equations with their derivatives */
@@ -195,7 +195,7 @@ bool equations_add(struct equations *equations, const struct expr *expr, struct 
 bool equations_derive(struct equations *equations, int first, int count, const int *name, int names,
                       struct error *error);
 /* Makes products in derivatives 0 from this call on if one factor is 0, even if the other is
- * infinite: so the infinite slope of sqrt at 0, or that of a branch not taken, does not affect
+ * infinite. The infinite slope of sqrt at 0, or that of a branch not taken, then does not affect
  * derivatives that do not depend on it. */
 void equations_keep_limits(struct equations *equations);
 /* Chooses IEEE arithmetic without the rule of absent terms for programs that are created later. */

@@ -446,8 +446,8 @@ int model_state(const struct model *model, struct text name);
 bool system_has_exact(const struct system *system);
 /* Computes the state y [n] at t [s] of the solution that is start [n] at t0, before or after t0.
  * What exceeds the range of doubles is infinite. floor [n], or NULL, receives the change of the
- * result for a change of the coefficients (in models with a closed form, of the start) by one ulp,
- * about eps omega |t - t0| times the amplitude: errors below it mean nothing. */
+ * result for a change of the coefficients by one ulp (in models with a closed form, of the start).
+ * It is about eps omega |t - t0| times the amplitude, and errors below it mean nothing. */
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
 struct exact_table; /* private to src/scene/model/exact.c */
