@@ -45,9 +45,10 @@ enum quantity column_quantity(const struct table_column *column)
     return unit && unit->factor == 1 ? unit->quantity : QUANTITY_NUMBER;
 }
 
-/* Returns the axis of a column: logarithmic if its values are positive and their ratio exceeds
- * `ratio`, unless the user's range (`wanted`, or NULL) begins at 0 or below. */
-static struct axis column_axis(const struct table_column *column, size_t rows, double decades,
+/* Returns the axis of a column: logarithmic if its values are positive and the ratio of the largest
+ * to the smallest exceeds min_ratio, unless the user's range (`wanted`, or NULL) begins at 0 or
+ * below. */
+static struct axis column_axis(const struct table_column *column, size_t rows, double min_ratio,
                                const struct figure_range *wanted)
 {
     struct axis axis = {.label = column->name, .unit = column->unit};
@@ -60,7 +61,7 @@ static struct axis column_axis(const struct table_column *column, size_t rows, d
         high = fmax(high, value);
         size = fmax(size, fabs(value));
     }
-    axis.log = low > 0 && high > decades * low && !(wanted && wanted->end[0] <= 0);
+    axis.log = low > 0 && high > min_ratio * low && !(wanted && wanted->end[0] <= 0);
     if (!axis.log)
         axis_suit(&axis, column_quantity(column), size);
     return axis;
