@@ -26,7 +26,7 @@ static int cell_index(double fraction, int cells, int dots)
 }
 
 /* Finds the cell of the plot that contains the point (x, y). Returns false if the point is outside
- * of both ranges. */
+ * of the range of either axis. */
 bool figure_cell(const struct figure_layout *layout, double x, double y, int *column, int *row)
 {
     double x_fraction = scale_fraction(&layout->x, x), y_fraction = scale_fraction(&layout->y, y);

@@ -72,7 +72,7 @@ static void put_dot_span(const struct raster *raster, int column, int low, int h
     if (raster->mark || grid.dots_horizontal == 1) {
         static const char level[] = "'-._";
         char stroke;
-        /* Steeper than about 45 degrees, with cells of four dots. */
+        /* Spans of more than one and a half cells look vertical. */
         if (span > 6 || !slope)
             stroke = '|';
         else

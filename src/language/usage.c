@@ -3,7 +3,8 @@
  * arguments. */
 #include <hooke/language.h>
 
-/* Appends the usage of an item: "V", "FILE", or the choices themselves if they are few. */
+/* Appends the usage of an argument's item: the name of one known by its position, "V" or "FILE" by
+ * its type, or the choices themselves if they are few. */
 static void put_item(const struct argument *argument, struct buffer *output)
 {
     const struct argument_type_row *type = argument_type(argument);

@@ -105,8 +105,7 @@ void reply_data(struct reply *reply, const char *kind, struct text text)
 
 /* ---- records ---- */
 
-/* Writes the keys of the open levels and the field's own: "fit.halves.gamma". Arrays share one
- * cell. */
+/* Appends the heading of the field's CSV column, with the keys around it: "fit.halves.gamma". */
 static void put_csv_heading(struct reply *reply, const char *key)
 {
     if (reply->header.len > 0)

@@ -51,7 +51,7 @@ enum shown { SHOWN_NOTHING, SHOWN_PART, SHOWN_ALL };
 /* State of the frame rate. */
 struct pacing {
     int64_t next;      /* [clock_ns] earliest time of the next animated frame */
-    int64_t requested; /* [clock_ns] time of the last question, or 0 if it was answered */
+    int64_t requested; /* [clock_ns] time of the open question, or 0 if there is none */
     int64_t delay;     /* [ns] between the last question and its answer */
     int missing;       /* number of successive questions without an answer */
 };

@@ -96,8 +96,8 @@ static bool await_trigger(struct collection *c, struct recording *recording, str
     if (waits && trigger_look(trigger, recording, &c->never))
         reply_note(c->reply, "trigger: %.*s at t = %.6g s", (int)trigger->name.len,
                    trigger->name.data, trigger->t);
+    /* The times of the complete recording are final, so the trigger's time is read again. */
     for (size_t i = recording->rows; isfinite(trigger->t) && i > 0; i--)
-        /* the times of the complete recording are final */
         if (recording->line[i - 1] >= trigger->line)
             trigger->t = recording->t[i - 1];
     if (trigger->wanted && isfinite(trigger->t))

@@ -203,7 +203,8 @@ bool choose_rows(const struct run *run, const struct row_request *request, struc
 
 /* ---- values ---- */
 
-/* Returns true if the run still has the parameters and forces that it started with. */
+/* Returns true if the run has the parameters and forces that it started with, as far as can be told
+ * afterwards. */
 bool run_never_changed(const struct run *run)
 {
     struct system start;

@@ -53,8 +53,8 @@ static void step_alone(struct lanes *lanes, int lane, bool first)
     lane_get(n, lanes->y, lane, y);
     lane_get(n, lanes->k, lane, lanes->work + last);
     lane_get(n, lanes->excess, lane, control.excess);
-    /* A step that creeps is too short a part of the time that has passed. */
     method_choose_kernels(method, &step, true);
+    /* A step that is too small a fraction of the time since the start fails, too. */
     bool good = method_adapt(method, &step, &control, own->t_end) == STEP_OK && step.warm &&
                 !(fabs(control.h) < own->creep * fabs(step.t - lanes->t0));
     for (int i = 0; i < n; i++)

@@ -89,8 +89,8 @@ static bool evaluate_answer(struct text answer, enum protocol *best)
     return answer.data[1] == '[';
 }
 
-/* Reads until the last answer, which are removed from `bytes`; keys that were typed meanwhile
- * remain there. Returns false if it does not come in time. */
+/* Reads answers until the last one, and removes them from `bytes`; keys that were typed meanwhile
+ * remain there. Returns false if the last one does not come in time. */
 static bool await_answers(struct buffer *bytes, enum protocol *best)
 {
     const int64_t deadline = clock_ns() + PATIENCE_NS;
