@@ -46,6 +46,7 @@ bool choose_methods(const struct arguments *args, enum drag usual, struct method
     return true;
 }
 
+/* Makes the list of methods of a plot from rows of the catalog, or from the session's method. */
 struct method_choice *methods_choice(const struct session *session, const struct row *const *method,
                                      int *count, struct arena *arena)
 {

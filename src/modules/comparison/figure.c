@@ -364,6 +364,7 @@ bool precision_known(const struct session *session)
     return session_precision(session);
 }
 
+/* Draws the diagram of the last precision study into *figure. */
 bool precision_plot(struct drawing *d, struct figure *figure)
 {
     const struct precision *precision = session_precision(d->session);

@@ -83,6 +83,7 @@ void precision_tables(const struct precision *precision, const struct method *on
     }
 }
 
+/* Writes one line per method: its letter, name, number of settings and slope. */
 void precision_overview(const struct precision *precision, struct buffer *output)
 {
     for (int c = 0; c < precision->curves; c++) {

@@ -147,6 +147,7 @@ static void put_observed(struct scene_program *p, int i)
     buffer_format(p->output, "%s%s", p->observed[0] ? "\n" : "", p->observed);
 }
 
+/* Moves the text of p->output to the arena and returns it, or "" if out of memory. */
 const char *program_take_text(struct scene_program *p)
 {
     const char *text = p->output->failed ? NULL : arena_text(p->arena, buffer_text(p->output));

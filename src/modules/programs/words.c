@@ -211,7 +211,8 @@ static bool fraction_of(double x, long *top, long *bottom)
     return false;
 }
 
-/* Appends weights, as fractions such as 35/384 where these are the same doubles. */
+/* Appends weights, as fractions such as 35/384 where these are the same doubles, in lines of little
+ * more than line_max characters. */
 static void put_weights_of(struct scene_program *p, const double *weight, int count)
 {
     static const size_t line_max = 64;

@@ -245,6 +245,7 @@ bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
     return ok;
 }
 
+/* Frees what the structure owns, not the structure. */
 void sweep_file_free(struct sweep_file *file)
 {
     buffer_free(&file->head);
@@ -296,6 +297,7 @@ static bool ends_cell(const struct sweep_file *file, int64_t point)
     return (point + 1) % sweep_cell(file->total) == 0 || point + 1 == file->total;
 }
 
+/* Returns true if the file has exactly these points in order, with heads and seals. */
 bool sweep_file_is_whole(const struct sweep_file *file, int64_t first, int64_t count)
 {
     if (file->total == 0)

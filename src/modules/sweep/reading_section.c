@@ -31,6 +31,7 @@ static struct text section_text(struct text rest)
     return (struct text){rest.data, end < rest.len ? end : rest.len};
 }
 
+/* Removes `at EVENT` from the begin of *rest and returns the event's text. */
 struct text next_section(struct text *rest)
 {
     *rest = (struct text){rest->data + 2, rest->len - 2};
@@ -41,6 +42,7 @@ struct text next_section(struct text *rest)
 
 /* ---- names: values of the point, or numbers ---- */
 
+/* Returns the slot of a sweep for a slot of names_scope(), or < 0 if its value is constant. */
 int slot_of_point(const struct expr_scope *scope, int slot)
 {
     const int own = scope->moving(scope->context, slot);

@@ -21,6 +21,7 @@ void sweep_part_free(void *part)
     stopped_free(((struct sweep_part *)part)->stopped);
 }
 
+/* Frees the stopped sweep. */
 void sweep_forget_stopped(struct session *session)
 {
     struct sweep_part *part = session_part_if_made(session, &sweep_module);

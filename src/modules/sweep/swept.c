@@ -12,6 +12,7 @@ double swept_value(const struct swept *swept, int64_t i, int64_t k, int m)
     return swept->section ? value[2 + k * (1 + swept->measures) + m] : value[m];
 }
 
+/* Returns how many events of point i were kept at the section, or 1 without a section. */
 int64_t swept_events(const struct swept *swept, int64_t i)
 {
     int64_t count = 0;

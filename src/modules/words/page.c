@@ -125,6 +125,7 @@ static void page_table_put(const struct figure *figure, int room, struct buffer 
     }
 }
 
+/* Prints a figure as a description and a table, in lines of `width` [cells]. */
 bool words_print(const struct figure *figure, int width, struct buffer *output)
 {
     struct buffer text = {0};
@@ -136,6 +137,7 @@ bool words_print(const struct figure *figure, int width, struct buffer *output)
     return ok && !output->failed;
 }
 
+/* Prints a heat map as a description. */
 bool words_heat(const struct heat *heat, int width, struct buffer *output)
 {
     struct buffer text = {0};

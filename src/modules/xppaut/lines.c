@@ -14,6 +14,7 @@ struct ode_lines {
     size_t bytes; /* size of their texts */
 };
 
+/* Sets the error "line N: ...". Returns false. */
 bool ode_error(struct error *error, int line, const char *format, ...)
 {
     char text[sizeof error->text];

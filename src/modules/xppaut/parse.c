@@ -306,6 +306,7 @@ static node sum_parse(struct ode_parser *p)
     return left;
 }
 
+/* Parses a formula that stands in that line of the file. Returns NULL with an error. */
 const struct ode_node *ode_parse(struct arena *arena, int line, struct text text,
                                  struct error *error)
 {

@@ -46,6 +46,7 @@ bool ode_pair(struct text *rest, struct text *name, struct text *value)
     return name->len > 0;
 }
 
+/* Reads the number of NAME=VALUE. Returns false with an error that names the line. */
 bool ode_number(int line, struct text name, struct text value, double *number, struct error *error)
 {
     if (real_parse(value, number) == REAL_OK && isfinite(*number))

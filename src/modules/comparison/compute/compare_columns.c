@@ -110,6 +110,7 @@ static bool comparison_is_timed(const void *row)
 
 /* ---- for people ---- */
 
+/* Writes the step or tolerance, as in "10 ms" or "tol 1e-06". */
 void compared_setting(const struct compared_row *row, struct buffer *text)
 {
     if (isfinite(row->tol))

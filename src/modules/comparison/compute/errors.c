@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+/* Returns the largest |a - b| over the scored variables, in units of amplitudes, or NAN. */
 double grid_distance(const struct reference *reference, const double *a, const double *b)
 {
     double max = 0;

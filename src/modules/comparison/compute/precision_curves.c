@@ -412,6 +412,7 @@ bool study_precision(const struct precision_request *request, struct precision *
             error_set(error, ERROR_CANCELLED, "stopped: all errors are measured, not all times"));
 }
 
+/* Frees everything that the study owns and zeroes it. */
 void precision_free(struct precision *precision)
 {
     reference_free(&precision->reference);

@@ -11,6 +11,7 @@
 /* largest relative difference of a scaled time from that of a whole solve */
 #define PARTIAL_TIME_DIFFERENCE_MAX 0.15
 
+/* Returns the settings with which a point is solved and timed. */
 struct run_settings precision_settings(const struct precision *precision,
                                        const struct precision_point *point)
 {

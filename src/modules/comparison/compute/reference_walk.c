@@ -216,6 +216,7 @@ static enum stop walk_grid(struct reference_search *search, struct solver *s, in
     return STOP_END;
 }
 
+/* Solves from start to end and stores the states at all grid times in grid [STUDY_TIMES][n]. */
 enum stop reference_walk(struct reference_search *search, struct solver *s, int64_t steps,
                          double *grid)
 {

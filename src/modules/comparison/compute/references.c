@@ -160,6 +160,7 @@ bool references_again(struct references *references, const struct scene *scene,
     return true;
 }
 
+/* Frees all stored references and zeroes the structure. */
 void references_free(struct references *references)
 {
     if (references->uses == 0) /* pages that were never touched stay so */

@@ -43,6 +43,7 @@ static double grid_distance_max(const struct reference *reference, const double 
     return max;
 }
 
+/* Stores a run of method i if it is finer than the one stored before, which it replaces. */
 void witness_store(struct witnesses *witnesses, int i, const struct reference *reference,
                    const struct method *method, int64_t steps, const double *grid)
 {

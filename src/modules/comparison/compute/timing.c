@@ -20,6 +20,7 @@ bool timing_is_sound(const struct timing_result *time)
            time->spread <= TIMING_SPREAD;
 }
 
+/* Writes how busy the machine was, if other threads ran beside the timed one. */
 void timing_put_machine(double others, struct buffer *text)
 {
     if (others > TIMING_OTHERS)

@@ -56,6 +56,7 @@ double stability_growth(const struct method_choice *choice, double re, double im
                : 1;
 }
 
+/* Computes the two eigenvalues [1/s]: real parts, and the imaginary part of the first. */
 void mode_eigenvalues(const struct mode *mode, double re[2], double *im)
 {
     const double zeta = mode->zeta, product = stiffness_sign_value(mode->sign),
@@ -211,6 +212,7 @@ static int modes_of_matrix(const struct system *system, double t, const double *
     return grows;
 }
 
+/* Appends the modes of the scene at one state. Returns how many of them grow by themselves. */
 int modes_at(const struct system *system, double t, const double *y, struct mode *mode, int *count,
              int max)
 {
@@ -290,8 +292,7 @@ static void modes_along(const struct system *system, const struct stability_requ
 
 /* ---- the limit ---- */
 
-/* Returns true if a step up to dt may be unstable for this mode, judged from a few sizes because
- * the exact search is expensive. */
+/* Returns true if a step up to dt may be unstable for this mode: a cheap test of a few sizes. */
 static bool may_limit(const struct method_choice *choice, const struct mode *mode, double dt)
 {
     static const double part[] = {1. / 64, 0.125, 0.25, 0.5, 0.75, 0.9, 0.99, 0.9999};
@@ -301,8 +302,7 @@ static bool may_limit(const struct method_choice *choice, const struct mode *mod
     return false;
 }
 
-/* Sets dt_max and the mode that sets it: the smallest limit of all modes that do not grow by
- * themselves. */
+/* Sets dt_max, the smallest limit of all modes that do not grow by themselves, and its mode. */
 static void find_limit(struct stability *s)
 {
     s->dt_max = NAN;
@@ -321,8 +321,7 @@ static void find_limit(struct stability *s)
     }
 }
 
-/* Lowers dt_max to the longest step that the method accepts, as runs with longer ones are
- * refused. */
+/* Lowers dt_max to the longest step that the method accepts; longer ones are refused. */
 static void bound_limit(const struct system *system, struct stability *s)
 {
     const double longest = plan_step_limit(system, s->choice.method, s->choice.drag);
@@ -452,6 +451,7 @@ static enum stability_verdict judge_all(const struct stability *s)
     return s->modes || !s->grows ? worst : STABILITY_UNSTABLE;
 }
 
+/* Predicts growth and limit from the method's formulas and verifies them by running. */
 bool study_stability(const struct stability_request *request, struct stability *s,
                      struct error *error)
 {

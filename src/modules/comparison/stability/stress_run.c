@@ -115,6 +115,7 @@ static bool is_listed(const char *preset)
     return false;
 }
 
+/* Returns built-in case `index`: of the table, then a preset "stiff-..." or "extreme-...". */
 bool stress_case_at(size_t index, struct stress_case *result)
 {
     if (index < COUNT_OF(cases)) {
@@ -227,8 +228,7 @@ static void find_reference(struct stress_state *bench)
         reference_free(reference);
 }
 
-/* Prepares a case and its reference. An invalid scene is noted in `refused`. Returns false if out
- * of memory. */
+/* Prepares a case and its reference, or fills in `refused`. Returns false if out of memory. */
 static bool bench_init(struct stress_state *bench, const struct stress_case *what,
                        const struct cancel *cancel)
 {
@@ -255,8 +255,7 @@ static void bench_free(struct stress_state *bench)
         reference_free(&bench->reference);
 }
 
-/* Returns the largest |variable i| from grid time `first` on, in amplitudes; states of NAN are left
- * out. */
+/* Returns the largest |variable i| from grid time `first` on, in amplitudes, without NAN states. */
 static double grid_variable_max(const struct stress_state *bench, const double *grid, int first,
                                 int i)
 {
@@ -444,6 +443,7 @@ static bool select_case(struct stress *stress, struct text only, struct error *e
     return true;
 }
 
+/* Runs every method in every case, or only in the case `only`. */
 bool study_stress(const struct stress_scene *scene, struct text only,
                   const struct method *const *methods, int count, const struct cancel *cancel,
                   struct stress *stress, struct error *error)

@@ -16,6 +16,7 @@ bool method_runge_kutta(const struct method *method, struct runge_kutta *table)
     return true;
 }
 
+/* Describes how the method's steps follow the error. Returns false if they do so in another way. */
 bool method_error_control(const struct method *method, double tol, double *most, int *order)
 {
     const struct tableau *t = method->tableau;
@@ -27,6 +28,7 @@ bool method_error_control(const struct method *method, double tol, double *most,
     return true;
 }
 
+/* Stores the weights of drifts and kicks in turn. Returns their number, or 0. */
 int method_splitting(const struct method *method, double weight[SPLITTING_WEIGHTS],
                      bool *kick_first)
 {

@@ -207,6 +207,7 @@ static bool add_observed(struct written *w, struct error *error)
     return true;
 }
 
+/* Makes the expressions of a scene, as typed or as computed. */
 bool written_make(struct written *w, const struct scene *scene, bool as_typed, struct error *error)
 {
     *w = (struct written){.scene = scene};

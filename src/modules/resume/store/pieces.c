@@ -41,6 +41,7 @@ static void add_made(struct reader *reader, const struct buffer *script, struct 
     more[reader->mades - (made.script.data != NULL)] = made;
 }
 
+/* Remembers a scene for later ones with the same commands. */
 void reader_made_scene(struct reader *reader, const struct scene *scene)
 {
     struct buffer script = {0};
@@ -49,6 +50,7 @@ void reader_made_scene(struct reader *reader, const struct scene *scene)
     buffer_free(&script);
 }
 
+/* Remembers events for later ones with the same commands. */
 void reader_made_events(struct reader *reader, const struct events *events)
 {
     struct buffer script = {0};
@@ -299,6 +301,7 @@ void reader_runs(struct reader *reader, struct text ids)
 
 /* ---- recordings ---- */
 
+/* Finds the bytes that the file has under that checksum. */
 bool reader_bytes(const struct reader *reader, uint64_t sum, struct text *content)
 {
     uint64_t stored_sum;

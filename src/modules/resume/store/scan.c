@@ -91,6 +91,7 @@ static bool take_records(struct reader *reader, struct text rest)
 
 /* ---- runs ---- */
 
+/* Returns the run of that id, or NULL if the file has none. */
 struct read_run *reader_run(struct reader *reader, uint64_t id)
 {
     for (size_t i = reader->runs; i-- > 0;)

@@ -469,6 +469,7 @@ static bool put_all(struct output *output, struct session *session)
     return true;
 }
 
+/* Writes what has changed since the last call; *stored remembers what the file has. */
 bool session_store(struct session *session, struct stored *stored, const struct store_sink *sink,
                    struct error *error)
 {

@@ -322,6 +322,7 @@ void autosave_begin(struct autosave *autosave, struct session *session)
     delete_old_files();
 }
 
+/* Puts the file on the disk and closes it. */
 void autosave_end(struct autosave *autosave)
 {
     if (autosave->fd >= 0)
@@ -342,6 +343,7 @@ static bool has_changed(const struct autosave *autosave)
            (autosave->fd >= 0 && session->history.count != autosave->stored.entries);
 }
 
+/* Returns the time [clock_ns] at which writing is due, or INT64_MAX if nothing has changed. */
 int64_t autosave_due(const struct autosave *autosave)
 {
     if (autosave->stored.unfinished)
@@ -420,6 +422,7 @@ bool autosave_write(struct autosave *autosave, struct error *error)
     return write_until(autosave, NULL, error);
 }
 
+/* Writes if that is due; `line` is true after an executed line. */
 bool autosave_keep(struct autosave *autosave, bool line, struct error *error)
 {
     /* Lines that follow each other closely are written when as much time has passed as writing

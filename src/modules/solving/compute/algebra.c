@@ -26,6 +26,7 @@ double vector_length(int n, const double *x)
     return sqrt(sum);
 }
 
+/* Divides x [n] by its length. Returns false if that is 0 or infinite. */
 bool vector_normalise(int n, double *x)
 {
     const double length = vector_length(n, x);
@@ -34,6 +35,7 @@ bool vector_normalise(int n, double *x)
     return length > 0 && isfinite(length);
 }
 
+/* Solves a x = b for a [n][n]: a is overwritten, b becomes x. Returns false if a is singular. */
 bool matrix_solve(int n, double *a, double *b)
 {
     double pivot[MATRIX_MAX];

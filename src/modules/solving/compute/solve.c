@@ -21,6 +21,7 @@ static march_function *march_of(const struct system *system, const struct method
     return plain ? method_kernel(method, system, settings->drag) : NULL;
 }
 
+/* Returns the code that a solve runs: specialised or general, never the propagator. */
 enum kernel study_path(const struct system *system, const struct method *method,
                        const struct run_settings *settings)
 {
@@ -64,6 +65,7 @@ void solver_free(struct solver *solver)
     solver->step.work = solver->side = NULL;
 }
 
+/* Resets state and counts to those at t0. */
 void solver_start(struct solver *solver)
 {
     const size_t size = (size_t)solver->system->n * sizeof(double);
@@ -79,6 +81,7 @@ int64_t solver_cost(const struct solver *solver)
     return cost->evals + cost->jacobians + cost->solves;
 }
 
+/* Returns the reason for stopping that belongs to the status of a step. */
 enum stop solver_stop(enum step_status status)
 {
     if (status == STEP_OK)

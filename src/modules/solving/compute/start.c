@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+/* Sets parameter i to a value without uncertainty, unless it has that value already. */
 void scene_take_value(struct scene *scene, int i, double value)
 {
     scene->chosen[i] = scene->chosen[i] || scene->value[i] != value;

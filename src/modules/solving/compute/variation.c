@@ -78,6 +78,7 @@ static bool find_between(const struct scene *scene, int index, struct system sid
     return true;
 }
 
+/* Finds what a parameter changes. */
 bool direction_find(const struct scene *scene, int index, struct parameter_change *d)
 {
     struct system *side = malloc(2 * sizeof *side);
@@ -293,6 +294,7 @@ bool variation_add_parameter(struct variation *v, const struct scene *scene, int
     return true;
 }
 
+/* Adds the integral of the trace of df/dy, the logarithm of the determinant of derivatives. */
 bool variation_add_trace(struct variation *v)
 {
     if (v->whole.n == LIMIT_VARIABLES)

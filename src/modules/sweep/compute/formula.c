@@ -8,6 +8,7 @@
 
 #include <stdlib.h>
 
+/* Returns the value of a parameter or derived quantity by its slot. */
 double sweep_scene_value(const struct scene *scene, int slot)
 {
     if (slot < SWEEP_SLOT_DERIVED)

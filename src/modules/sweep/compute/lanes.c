@@ -53,6 +53,7 @@ static double lane_measure(const struct sweep_worker *worker, int lane,
     }
 }
 
+/* Returns true if a state is so large, or not a number, that the point must run alone. */
 bool lane_suspicious(const double *y, int n)
 {
     for (int i = 0; i < n; i++)

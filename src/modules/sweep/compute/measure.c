@@ -36,6 +36,7 @@ bool sweep_axis_find(const struct scene *scene, struct text name, struct sweep_a
     return true;
 }
 
+/* Returns value number i of the axis, in SI units. */
 double sweep_axis_value(const struct sweep_axis *axis, int i)
 {
     if (i == 0 || axis->count < 2)
@@ -164,6 +165,7 @@ bool sweep_measure_find(const struct model *model, struct text name, struct swee
     return true;
 }
 
+/* Returns true if the measure is a function of state and time and can be taken at an event. */
 bool sweep_at_section(const struct sweep_measure *measure)
 {
     return measure->kind == SWEEP_VARIABLE || measure->kind == SWEEP_OBSERVED ||

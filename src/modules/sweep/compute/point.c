@@ -10,6 +10,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Sets *scene and *settings to those that all points share. */
 void sweep_common(const struct sweep_request *request, struct scene *scene,
                   struct run_settings *settings)
 {
@@ -43,6 +44,7 @@ bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
     return false;
 }
 
+/* Frees the memory of a worker. */
 void sweep_worker_free(struct sweep_worker *worker)
 {
     free(worker->system);
@@ -94,6 +96,7 @@ bool sweep_point(const struct sweep_request *request, const struct sweep *sweep,
     return true;
 }
 
+/* Marks point i as refused and keeps the reason if it is the first such point. */
 void sweep_refuse(struct sweep_worker *worker, int64_t i, const struct error *error)
 {
     worker->job->sweep->status[i] = SWEEP_REFUSED;
@@ -170,6 +173,7 @@ static bool holds_when_failed(enum sweep_kind kind)
            kind == SWEEP_ATTRACTOR;
 }
 
+/* Returns true if what is measured needs the states of the whole run. */
 bool sweep_needs_trace(const struct sweep_job *job)
 {
     bool needed = job->watches;
@@ -245,6 +249,7 @@ void sweep_measure_run(struct sweep_worker *worker, int64_t i, struct run *run, 
     run_destroy(run);
 }
 
+/* Computes and measures point i by a run of its own. */
 void sweep_alone(struct sweep_worker *worker, int64_t i)
 {
     if (worker->section) {

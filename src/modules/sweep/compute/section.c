@@ -14,6 +14,8 @@
 /* A motion still settles if a distance of states changes by more than this fraction of it. */
 #define DISTANCE_CHANGE_MAX 1e-2
 #define REPEATS_MAX 1000 /* largest number of events after which states are compared */
+
+/* Allocates the section of a worker. Returns false if out of memory. */
 bool section_create(struct sweep_worker *worker)
 {
     struct section *section = calloc(1, sizeof *section);
@@ -26,6 +28,7 @@ bool section_create(struct sweep_worker *worker)
     return section->state && section->slope;
 }
 
+/* Frees the memory; NULL is allowed. */
 void section_free(struct section *section)
 {
     if (!section)
@@ -158,6 +161,7 @@ static double measure_value(const struct sweep_measure *measure, const struct sy
                : NAN;
 }
 
+/* Returns true if that row of the trace is the state after `period` periods of the drive. */
 bool crossings_strobed(const struct crossings *crossings, size_t row, int64_t period)
 {
     const struct run *run = crossings->run;

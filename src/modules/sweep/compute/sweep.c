@@ -12,6 +12,7 @@
 
 #define RESULTS_MAX ((size_t)1 << 30) /* [byte] */
 
+/* Returns the number on the axis of point i of the sweep. */
 int64_t sweep_number(const struct sweep *sweep, int axis, int64_t i)
 {
     const int64_t number = sweep->first + i;
@@ -38,6 +39,7 @@ void sweep_free(struct sweep *sweep)
 #define CELL_MOST 64       /* largest number of points in a cell */
 #define PROGRESS_CELLS 128 /* smallest number of cells of a sweep with more points */
 
+/* Returns the number of points of a cell; the last of `total` points may have fewer. */
 int64_t sweep_cell(int64_t total)
 {
     const int64_t cell = total / PROGRESS_CELLS;

@@ -45,6 +45,7 @@ void watch_turn(struct extremes *watch, double t0, double y0, double v0, double 
     }
 }
 
+/* Takes note of the last value y. */
 void watch_end(struct extremes *watch, double y)
 {
     watch->top = y > watch->top ? y : watch->top;
@@ -76,6 +77,7 @@ double watch_value(const struct extremes *watch, enum sweep_kind kind)
 
 /* ---- recorded runs ---- */
 
+/* Returns the time derivative of a state variable. */
 double watch_speed(const struct system *system, int variable, double t, const double *y)
 {
     if (system->order == 2 && variable < system->n / 2)
