@@ -97,6 +97,7 @@ static void freeze_dry(double branch, struct system *frozen)
 
 /* ---- freezing and guards, for methods ---- */
 
+/* Computes the branches of all switches at a state. */
 void system_branches(const struct system *system, double t, const double *y, double *branch)
 {
     const int typed = typed_count(system);
@@ -109,6 +110,7 @@ void system_branches(const struct system *system, double t, const double *y, dou
         branch[typed] = y[1] > 0;
 }
 
+/* Copies the system without what is not read, and puts its terms on these branches. */
 void system_freeze(const struct system *system, const double *branch, struct system *frozen)
 {
     const size_t terms = offsetof(struct system, term), typed = offsetof(struct system, typed);
@@ -128,6 +130,8 @@ void system_freeze(const struct system *system, const double *branch, struct sys
     frozen->kinks = false;
 }
 
+/* Computes guards, which are above 0 on the frozen branches: the arguments, or products of
+ * distances. */
 void system_guards(const struct system *frozen, double t, const double *y, double *guard)
 {
     const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;
@@ -143,6 +147,7 @@ void system_guards(const struct system *frozen, double t, const double *y, doubl
         sliding_guards(frozen->sliding, t, y, guard);
 }
 
+/* Returns the branch that switch i goes to where its guard passes 0. */
 double system_next_branch(const struct system *frozen, int i, double t, const double *y)
 {
     const double leaves = frozen->sliding ? sliding_leaves(frozen->sliding, i, t, y) : NAN;
@@ -165,6 +170,7 @@ double system_lower_branch(const struct system *frozen, int i, double t, const d
     return switch_kind_of(side, i) == SWITCH_SIGN ? 0 : round(argument[i]) - 1;
 }
 
+/* Returns true if the argument of switch i changes with the variable. */
 bool system_switch_sees(const struct system *system, int i, double t, const double *y, int variable)
 {
     struct system frozen;

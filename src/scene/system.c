@@ -58,6 +58,7 @@ void system_derivative(const struct system *system, double t, const double *y, d
     add_terms(system, 0, 0, t, y, dydt + positions);
 }
 
+/* Sums the Jacobians of all terms; rows of positions have a 1 at their velocity. */
 void system_jacobian(const struct system *system, double t, const double *y, double *jac)
 {
     int n = system->n, positions = n - term_rows(system);
@@ -81,6 +82,7 @@ double *system_new_jacobian(const struct system *system, double t, const double 
     return jac;
 }
 
+/* Sums m v^2 / 2, with the ratios of masses of typed scenes. */
 double system_kinetic(const struct system *system, const double *y)
 {
     double sum = 0;
@@ -243,6 +245,7 @@ static void bind_rows(const double *param, struct system *system)
     }
 }
 
+/* Derives the properties of the system from the flags of its terms. */
 void system_sum_up(struct system *system)
 {
     unsigned all = ~0u, any = 0;
@@ -269,6 +272,7 @@ static bool has_pieces(const struct system *system)
            (system->dry || !system->model->typed || !typed_turns_only(system));
 }
 
+/* Makes steps end at kinks and switches, also if the scene asks to step across them. */
 void system_turn_at_kinks(struct system *system)
 {
     const bool dry =
@@ -325,6 +329,7 @@ static void system_clear(const struct model *model, struct system *system)
     };
 }
 
+/* Copies only the terms that there are, because a system is large. */
 void system_copy(struct system *target, const struct system *source)
 {
     const size_t terms =
@@ -382,6 +387,7 @@ bool scene_bind_rates(const struct scene *scene, struct system *system)
     return bind_motion(scene, false, system, &ignored);
 }
 
+/* Binds the motion, and looks for a potential of typed forces. */
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error)
 {
     if (!scene_bind_motion(scene, system, error))
@@ -392,6 +398,7 @@ bool scene_bind(const struct scene *scene, struct system *system, struct error *
     return true;
 }
 
+/* Returns true if a shift by 2 pi changes no derivative, at random states, and one by 1 does. */
 bool variable_is_angle(const struct system *system, int variable)
 {
     const int n = system->n;

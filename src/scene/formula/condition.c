@@ -37,6 +37,7 @@ static bool no_comparison(struct text text, struct text sign, struct error *erro
                       (int)left.len, left.data, (int)right.len, right.data);
 }
 
+/* Reads an expression, a comparison sign and another expression. */
 bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                        struct condition *condition, size_t *used, struct error *error)
 {

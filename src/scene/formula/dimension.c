@@ -41,6 +41,7 @@ static bool is_zero(double power)
     return fabs(power) < 1e-4;
 }
 
+/* Returns the dimension of a name with this quantity; unknown for QUANTITY_OTHER. */
 struct dimension dimension_of_name(enum quantity quantity)
 {
     struct dimension made = {.kind = DIMENSION_UNKNOWN, .has_name = true, .is_single = true};
@@ -78,6 +79,7 @@ static struct dimension dimension_merge(const struct dimension *a, const struct 
     return made;
 }
 
+/* Adds the powers of both, or subtracts those of b if it `divides`. */
 struct dimension dimension_product(const struct dimension *a, const struct dimension *b,
                                    bool divides)
 {
@@ -94,6 +96,7 @@ struct dimension dimension_product(const struct dimension *a, const struct dimen
     return made;
 }
 
+/* Multiplies all powers by the exponent. */
 struct dimension dimension_power(const struct dimension *a, double exponent)
 {
     struct dimension made = *a;
@@ -195,6 +198,8 @@ static bool takes_bare(const struct dimension *a)
     return a->has_name || !a->unit || (dimension_is_pure(a) && !has_angle(a));
 }
 
+/* Returns true if two values can be added; numbers without a unit go with names and pure
+ * numbers. */
 bool dimension_sum(const struct dimension *a, const struct dimension *b, struct dimension *sum,
                    int *turns)
 {
@@ -224,6 +229,7 @@ bool dimension_sum(const struct dimension *a, const struct dimension *b, struct 
            find_turns(a, b, turns);
 }
 
+/* Returns true if the value can be one of the quantity `wanted`, perhaps after a factor of 2 pi. */
 bool dimension_fits(const struct dimension *a, enum quantity wanted, int *turns)
 {
     const struct dimension goal = dimension_of_name(wanted);
@@ -262,6 +268,7 @@ static double shown_power(const struct dimension *a, int base)
     return base == BASE_PI || (changed && base >= BASE_RADIAN) ? 0 : a->power[base];
 }
 
+/* Finds the quantity that has these powers; QUANTITY_OTHER if there is none. */
 enum quantity dimension_quantity(const struct dimension *a)
 {
     if (a->kind != DIMENSION_KNOWN)
@@ -276,6 +283,7 @@ enum quantity dimension_quantity(const struct dimension *a)
     return QUANTITY_OTHER;
 }
 
+/* Appends the unit of the quantity, or powers of base units. */
 void dimension_put_unit(const struct dimension *a, struct buffer *text)
 {
     const enum quantity quantity = dimension_quantity(a);
@@ -295,6 +303,7 @@ void dimension_put_unit(const struct dimension *a, struct buffer *text)
     }
 }
 
+/* Appends a name for the dimension, for messages. */
 void dimension_put(const struct dimension *a, struct buffer *text)
 {
     const enum quantity quantity = dimension_quantity(a);

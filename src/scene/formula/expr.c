@@ -70,6 +70,7 @@ static struct op *new_op(struct compiler *c)
     return &expr->op[expr->count++];
 }
 
+/* Appends a number or a name, if the stack has room for its value. */
 bool compiler_emit_value(struct compiler *c, struct op value)
 {
     if (c->values == LIMIT_EXPR_DEPTH)
@@ -82,6 +83,7 @@ bool compiler_emit_value(struct compiler *c, struct op value)
     return true;
 }
 
+/* Appends an operation, or computes it at once if all its operands are numbers. */
 bool compiler_emit(struct compiler *c, struct op operation, size_t arity)
 {
     if (c->operand && !units_of_operation(c, &operation, arity))
@@ -418,6 +420,7 @@ static bool close_expression(struct compiler *c)
                       c->text.data + c->position);
 }
 
+/* Reads operands and operators in turn, each perhaps followed by a unit, until neither follows. */
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error)
 {

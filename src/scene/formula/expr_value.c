@@ -67,6 +67,7 @@ double *op_apply(const struct op *op, double *top)
     return operation_value(op, top);
 }
 
+/* Runs the operations in postfix order on a stack of values. */
 double expr_value(const struct expr *expr, const struct expr_scope *scope)
 {
     double stack[STACK_BOTTOM + LIMIT_EXPR_DEPTH] = {0}, *top = stack + STACK_BOTTOM;

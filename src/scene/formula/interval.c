@@ -96,6 +96,7 @@ static double bound_product(double a, double b)
     return a == 0 || b == 0 ? 0 : nonzero(a * b);
 }
 
+/* Returns the range of the four products of bounds, rounded outwards. */
 struct interval interval_mul(struct interval a, struct interval b)
 {
     if (interval_empty(a) || interval_empty(b))
@@ -115,6 +116,7 @@ static double quotient(double a, double b)
     return a == 0 ? 0 : nonzero(a / b);
 }
 
+/* Returns everything if b contains 0. */
 struct interval interval_div(struct interval a, struct interval b)
 {
     if (interval_empty(a) || interval_empty(b))
@@ -141,6 +143,7 @@ static double power(double x, int n)
     return product;
 }
 
+/* Returns a^n for a whole n; even powers are not negative. */
 struct interval interval_power(struct interval a, int n)
 {
     if (interval_empty(a) || n == 0)

@@ -230,6 +230,7 @@ static struct jet jet_two(double (*function)(double, double), struct jet a, stru
 
 /* ---- expressions ---- */
 
+/* Returns the bounds of an operation on x. */
 struct jet jet_apply(const struct op *op, const struct jet *x)
 {
     switch (op->kind) {
@@ -264,6 +265,7 @@ struct jet jet_apply(const struct op *op, const struct jet *x)
     return x[0];
 }
 
+/* Runs the operations in postfix order on a stack of bounds. */
 struct jet expr_jet(const struct expr *expr, const struct jet *jet)
 {
     struct jet stack[LIMIT_EXPR_DEPTH], *top = stack;
@@ -292,6 +294,8 @@ static void jet_narrow(struct jet *a, struct interval centre, double half)
     a->value.hi = fmin(a->value.hi, enclosure.hi);
 }
 
+/* Runs the operations on two stacks, bounds over the interval and at its centre, which narrow each
+ * other. */
 struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre,
                           double half)
 {
@@ -312,6 +316,7 @@ struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const 
     return stack[0][0];
 }
 
+/* Copies the expression: names that move get the slot that slot() returns, others their value. */
 const struct expr *expr_settle(const struct expr *expr, const struct expr_scope *scope,
                                int (*slot)(void *context, int slot), void *context,
                                struct arena *arena)

@@ -93,6 +93,7 @@ static struct interval_jet series_cos(struct interval x)
                                  interval_neg(f)};
 }
 
+/* f' = 1 + f^2, f'' = 2 f f'; unbounded if x may contain a pole */
 static struct interval_jet series_tan(struct interval x)
 {
     if (!(x.hi - x.lo < M_PI) || fmax(fabs(x.lo), fabs(x.hi)) > 0x1p40 ||
@@ -118,6 +119,7 @@ static struct interval_jet series_asin(struct interval x)
     return (struct interval_jet){f, first, interval_div(interval_mul(x, first), rest)};
 }
 
+/* f = pi/2 - asin(x) */
 static struct interval_jet series_acos(struct interval x)
 {
     struct interval_jet s = series_asin(x);
@@ -196,6 +198,7 @@ static struct interval_jet series_log10(struct interval x)
 
 /* ---- roots ---- */
 
+/* f' = 1/(2 f), f'' = -f'/(2 x); slopes are unknown at 0 */
 static struct interval_jet series_sqrt(struct interval x)
 {
     const bool whole = domain_clip(&x, 0, HUGE_VAL);
@@ -208,6 +211,7 @@ static struct interval_jet series_sqrt(struct interval x)
     return (struct interval_jet){f, first, interval_scaled(-0.5, interval_div(first, x))};
 }
 
+/* f' = 1/(3 f^2), f'' = -2/3 f'/x */
 static struct interval_jet series_cbrt(struct interval x)
 {
     const struct interval f = increasing_bounds(fixed_cbrt, x);
@@ -265,6 +269,7 @@ static const struct {
     {function_step, series_step}, {round, series_round},
 };
 
+/* Finds the function's row, and applies the chain rule. */
 struct jet jet_one(double (*function)(double), struct jet x)
 {
     size_t i = 0;

@@ -27,6 +27,7 @@ static struct outer outer_negate(struct outer a)
     return (struct outer){interval_neg(a.interval), a.has_gap};
 }
 
+/* A gap shrinks by the width of the interval that is added; two gaps leave none. */
 struct outer outer_add(struct outer a, struct outer b)
 {
     if (!a.has_gap && !b.has_gap)
@@ -151,6 +152,7 @@ bool outer_excludes_zero(struct outer a)
     return a.interval.lo > 0 || a.interval.hi < 0 || interval_empty(a.interval);
 }
 
+/* Runs the operations in postfix order on a stack of such bounds. */
 struct outer expr_outer(const struct expr *expr, const struct jet *jet)
 {
     struct outer stack[LIMIT_EXPR_DEPTH], *top = stack;

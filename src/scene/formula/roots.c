@@ -37,6 +37,9 @@ static void root_report(struct root_search *roots, double x, int sign)
     roots->stopped = !roots->found(roots->context, x, sign) || roots->stopped;
 }
 
+/* Finds a zero between a and b, at which f has different signs, by inverse quadratic interpolation
+ * where it is safe, else by bisection (Chandrupatla 1997). Returns a point at which f is 0 or has
+ * the sign of fb. */
 double root_between(double (*value)(void *context, double x), void *context, double a, double fa,
                     double b, double fb, double min)
 {
@@ -334,6 +337,7 @@ static bool interval_decide(struct root_search *roots, const struct root_interva
     return true;
 }
 
+/* Halves intervals on a stack until each is decided, in the order of x. */
 void roots_find(struct root_search *roots, double a, double fa, double b, double fb)
 {
     struct root_interval stack[BISECTION_DEPTH_MAX] = {{a, b, fa, fb}}, undecided = {0};

@@ -8,6 +8,7 @@
 
 #include <string.h>
 
+/* Returns the word as far as it could be a unit, with / and ^ inside. */
 struct text unit_word(struct text text)
 {
     struct text word = peek_word(text, "+-*()<>=,:");
@@ -45,6 +46,7 @@ static bool is_factor(const struct expr_scope *scope, struct text word)
            (scope && scope->find(scope->context, name, &slot));
 }
 
+/* Sets the error for a word that is not a unit here, with the likeliest correction as a hint. */
 bool refuse_unit_word(const struct expr_scope *scope, struct text word, struct text number,
                       enum quantity quantity, struct error *error)
 {

@@ -26,6 +26,8 @@ static const char *text_end(struct text text)
     return text.data + text.len;
 }
 
+/* Enters text and dimension of the value just emitted, for which there may have to be more
+ * memory. */
 bool units_of_value(struct compiler *c, struct text typed, struct dimension dimension)
 {
     if (c->values > c->operands) {
@@ -227,6 +229,7 @@ static bool call_dimension(struct compiler *c, const struct function *function,
     return true;
 }
 
+/* Finds the dimension of the result by the kind of the operation. */
 bool units_of_operation(struct compiler *c, const struct op *operation, size_t arity)
 {
     struct typed_operand *a = &c->operand[c->values - arity];
@@ -356,6 +359,7 @@ static bool refuse_unit(struct compiler *c, const struct unit *unit)
                     operand->dimension.unit->row.name);
 }
 
+/* Reads a unit behind a number or a parenthesis, and converts the value to SI. */
 bool units_read(struct compiler *c)
 {
     const struct unit *unit = unit_match(compiler_slice(c, c->position, c->text.len - c->position));
@@ -402,6 +406,8 @@ bool expr_hint_readings(const struct expr *expr, struct error *error)
     return hint_readings(&expr->typed, error);
 }
 
+/* Compares the dimensions of both sides, and converts the right one between Hz and rad/s if
+ * needed. */
 bool expr_compare(const struct expr *left, const struct expr **right, struct arena *arena,
                   struct error *error)
 {

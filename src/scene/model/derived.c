@@ -239,6 +239,8 @@ static const struct derived_row rows[] = {DERIVED_ROWS(DERIVED_ROW)};
 
 const struct catalog derived_catalog = CATALOG("derived quantity", rows);
 
+/* Copies the rows of the oscillator that the names of the model leave free, without their
+ * inverses. */
 bool derived_for_typed(const struct model *model, struct arena *arena, struct catalog *derived)
 {
     struct derived_row *made = arena_array(arena, COUNT_OF(rows), sizeof *made);
@@ -263,6 +265,7 @@ bool derived_for_typed(const struct model *model, struct arena *arena, struct ca
     return made;
 }
 
+/* Sets the target parameter with which the quantity has this value and uncertainty. */
 bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value,
                        struct error *error)
 {

@@ -193,6 +193,7 @@ static struct parts oscillator_solve(const struct oscillator *o, const struct ro
     return made;
 }
 
+/* Chooses the exact solution by the kind of the system. */
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor)
 {
@@ -208,6 +209,7 @@ void system_exact(const struct system *system, double t0, const double *start, d
         linear_exact(system, t0, start, t, y, floor);
 }
 
+/* Computes the state at t and, unless NULL, its floor. */
 void oscillator_exact(const struct oscillator *o, double t0, const double *start, double t,
                       double *y, double *floor)
 {
@@ -270,6 +272,7 @@ struct exact_table {
     node drive;
 };
 
+/* Fills the table; returns NULL if there is no use for one or out of memory. */
 struct exact_table *exact_table_create(const struct system *system, double t0, const double *start,
                                        double h)
 {
@@ -309,6 +312,8 @@ void exact_table_free(struct exact_table *table)
     free(table);
 }
 
+/* Computes the state at t from the base, or anew if t is not among the multiples; then t is the
+ * base. */
 void exact_table_at(struct exact_table *table, double t, double *y)
 {
     const struct oscillator *o = &table->system->oscillator;

@@ -20,6 +20,7 @@ typedef long double real; /* as in exact.c */
 
 #define PI 3.14159265358979323846264338327950288L
 
+/* Returns true for an oscillator with dry friction, without drive and quadratic drag. */
 bool dry_has_exact(const struct system *system)
 {
     const struct oscillator *o = &system->oscillator;
@@ -126,6 +127,7 @@ static void swing(const struct oscillator *o, real omega, double q, real time, d
                            y);
 }
 
+/* Moves to the first turning point, and swings or sticks from there. */
 void dry_exact(const struct system *system, double t0, const double *start, double t, double *y,
                double *floor)
 {

@@ -46,6 +46,8 @@ static void coefficients(const struct system *system, struct matrix *x)
     free(jac);
 }
 
+/* Returns true if the system is linear, does not depend on time, is small, and has finite
+ * coefficients. */
 bool linear_has_exact(const struct system *system)
 {
     struct matrix x;
@@ -229,6 +231,7 @@ static void linear_advance(const struct matrix *e, real *z)
         z[i] += increment[i];
 }
 
+/* Multiplies the start by the matrix exponential. */
 void linear_exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor)
 {
@@ -250,6 +253,8 @@ void linear_exact(const struct system *system, double t0, const double *start, d
         find_floor(system, &x, d, &integral, start, elapsed, z, floor);
 }
 
+/* Follows the exact solution in steps that double from stage to stage, and notes the largest
+ * values. */
 void linear_sizes(const struct system *system, double rate, double *max)
 {
     enum { STAGES = 6, STEPS = 16 }; /* each stage takes twice the time of the one before */

@@ -123,6 +123,7 @@ static bool in_range(const struct param_row *row, double value, struct error *er
                      min, got, *unit ? " " : "", unit);
 }
 
+/* Returns true if k/m and m are usable numbers; otherwise sets an error. */
 bool params_coherent(const double *param, struct error *error)
 {
     if (isfinite(param[P_k] / param[P_m]) && param[P_m] >= DBL_MIN)
@@ -133,6 +134,7 @@ bool params_coherent(const double *param, struct error *error)
     return error_set(error, ERROR_COMMAND, "k/m overflows: k = %s N/m, m = %s kg", k, m);
 }
 
+/* Checks the value by itself, then together with the other parameters, and sets it. */
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error)
 {
     if (!in_range(param_at(scene, param), value.value, error))

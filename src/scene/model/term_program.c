@@ -61,6 +61,7 @@ static const struct expr *sum_of_terms(const struct system *system, unsigned mas
     return sum;
 }
 
+/* Compiles the sum of the terms as equations, and derives it if slopes are wanted. */
 struct program *terms_program(const struct system *system, unsigned mask, unsigned wanted,
                               int first, bool slopes, struct error *error)
 {

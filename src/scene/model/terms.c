@@ -29,6 +29,7 @@ _Static_assert(COUNT_OF(rows) <= TERM_MAX, "a system holds every term");
 
 const struct catalog term_catalog = CATALOG("force term", rows);
 
+/* Calls the bind function of each row in turn; a term stays if that returns true. */
 void terms_bind(const double *param, struct system *system)
 {
     const struct term_row *row = rows;

@@ -23,6 +23,7 @@ struct typed_parts *typed_parts_create(void)
     return calloc(1, sizeof(struct typed_parts));
 }
 
+/* Frees all parts. */
 void typed_parts_destroy(struct typed_parts *parts)
 {
     struct typed_part *part = parts ? atomic_load(&parts->first) : NULL;
@@ -119,6 +120,7 @@ static struct bound_term bind_term(const struct typed_term *term, const double *
     return bound;
 }
 
+/* Finds the programs for the parameters that are 0, and binds the values of all groups. */
 bool typed_bind(const struct typed *typed, const double *param, struct system *system,
                 struct error *error)
 {
@@ -187,6 +189,7 @@ static bool refuse_potential(const struct system *system, const double *y, int i
                              "positions only; without a potential the force counts as work");
 }
 
+/* Compares the slope of the potential with the force at random points, once for each part. */
 bool typed_check(const struct system *system, struct error *error)
 {
     enum { POINTS = 12 };

@@ -58,6 +58,7 @@ static struct interval scaled(struct interval a, double factor)
     return interval_mul(a, interval_point(factor));
 }
 
+/* Bounds all rates, and with `jacobian` their derivatives, as means over the phases of a drive. */
 bool system_bounds(const struct system *system, const struct interval *box, struct interval *rate,
                    struct interval *jacobian)
 {
@@ -92,6 +93,7 @@ bool system_bounds(const struct system *system, const struct interval *box, stru
     return true;
 }
 
+/* Returns true if one of the rates cannot be 0 in the box. */
 bool system_excludes_zero(const struct system *system, const struct interval *box)
 {
     const struct bound_term *whole = system_whole(system);
@@ -111,6 +113,7 @@ bool system_excludes_zero(const struct system *system, const struct interval *bo
     return excludes;
 }
 
+/* Binds the scene, if need be with a start inside of the box, where its equations have a value. */
 bool scene_bind_inside(struct scene *scene, double (*box)[2], struct system *system,
                        struct error *error)
 {

@@ -276,6 +276,7 @@ static int row_search(struct way *way, int row, double size, bool sure, int64_t 
     return count;
 }
 
+/* Searches the path for bursts of each derivative in turn. */
 int bursts_within(const struct system *system, const double t[2], const double *y_begin,
                   const double *y_end, bool sure, int64_t *allowed, struct burst *burst, int count,
                   int max)

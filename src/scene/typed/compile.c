@@ -361,6 +361,8 @@ static bool make_model(struct compile *c)
     return derived_for_typed(model, &typed->arena, &typed->derived) || error_memory(c->error);
 }
 
+/* Declares names, reads expressions, and makes the model, with memory for the lines that there
+ * are. */
 bool typed_compile(struct typed *typed, struct error *error)
 {
     const size_t lines = (size_t)typed->lines;

@@ -170,6 +170,7 @@ static double typed_drive(const struct typed *typed, const double *c)
     return period;
 }
 
+/* Returns the common period of built-in drives and typed forces. */
 double system_drive(const struct system *system)
 {
     double period = 0;

@@ -48,6 +48,7 @@ static bool has_kink(const struct node *all, const struct node *node, int name)
            (node->kind == NODE_ABS || (compares && b->kind == NODE_NUMBER && b->number == 0));
 }
 
+/* Finds the degree of each node in the state; outputs of degree below 2 are linear. */
 bool typed_look(const struct typed *typed, const struct program *program, bool *affine, bool *kinks,
                 struct error *error)
 {
@@ -300,6 +301,7 @@ static void add_drag(const struct typed_term *term, const double *c, struct osci
     free(jac);
 }
 
+/* Adds the term to the oscillator, or only its drag if there are several coordinates. */
 void typed_recognise(const struct typed_term *term, const double *c, struct oscillator *o)
 {
     const struct model *model = &term->typed->model;

@@ -36,6 +36,7 @@ static const struct typed_line *typed_line_of(const struct typed *typed, enum ty
     return NULL;
 }
 
+/* Finds the symbol of a name that expressions may use, and marks it as used. */
 bool typed_find(const void *context, struct text name, int *slot)
 {
     const struct compile *c = context;
@@ -57,6 +58,7 @@ void typed_offer(const void *context, struct suggestion *suggestion)
             suggestion_offer(suggestion, c->symbol[i].name);
 }
 
+/* Explains an unknown name: it is defined later, by itself, or is a velocity of first order. */
 bool typed_explain(struct compile *c, const struct typed_line *line)
 {
     const struct text name = c->error->where;
@@ -81,6 +83,7 @@ bool typed_explain(struct compile *c, const struct typed_line *line)
                       (int)name.len, name.data);
 }
 
+/* Returns true if the name can be used for something new; otherwise sets an error. */
 bool typed_name_fits(struct text name, struct error *error)
 {
     bool fine = name.len > 0;
@@ -101,6 +104,7 @@ bool typed_name_fits(struct text name, struct error *error)
     return error_hint(error, "choose another name, as %.*s_1", (int)name.len, name.data);
 }
 
+/* Adds a symbol, unless its name is taken. */
 int typed_symbol(struct compile *c, struct text name, enum symbol_kind kind, int index,
                  struct text where)
 {
@@ -283,6 +287,7 @@ static bool declare_unknown(struct compile *c, const struct typed_line *line)
     return declare_velocity(c, u);
 }
 
+/* Declares time, the base, then variables and parameters in the order of their lines. */
 bool typed_declare(struct compile *c)
 {
     const struct typed *typed = c->typed;

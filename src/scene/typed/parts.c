@@ -18,6 +18,7 @@ const struct typed_term *typed_term_of(const double *c)
     return term;
 }
 
+/* Runs the program in a frame on the stack, or in allocated memory if it is large. */
 void typed_evaluate(const struct program *program, const double *c, double t, const double *y,
                     double *result)
 {
@@ -67,6 +68,7 @@ static double potential(const double *c, const double *y)
     return value[0];
 }
 
+/* Reads the ratios of masses, which are behind the values of the bound term. */
 void typed_masses(const double *c, double *mass)
 {
     const struct typed_term *term = typed_term_of(c);
@@ -321,6 +323,7 @@ static void term_free(struct typed_term *term)
         program_destroy(program[i]);
 }
 
+/* Frees the part with all its programs. */
 void typed_part_destroy(struct typed_part *part)
 {
     for (int g = 0; g < GROUPS; g++)
@@ -331,6 +334,7 @@ void typed_part_destroy(struct typed_part *part)
     free(part);
 }
 
+/* Makes the groups, the observed quantities and the frozen equations, all of the same names. */
 struct typed_part *typed_part_create(const struct typed *typed, uint64_t zeros, struct error *error)
 {
     const int names = typed_names(typed);

@@ -89,6 +89,7 @@ static double (*const potentials[TYPED_FOUND])(const double *c, const double *y)
     formula_from_unit, origin_potential,    infinity_potential, around_potential};
 enum { FIRST_QUADRATURE = 5 };
 
+/* Makes one row for each way to find a potential. */
 void typed_found_rows(struct typed_part *part)
 {
     for (int i = 0; i < TYPED_FOUND; i++) {
@@ -270,6 +271,7 @@ static bool is_potential(double (*potential)(const double *c, const double *y),
     return true;
 }
 
+/* Tries the ways in turn, after finding masses with which the force can have a potential. */
 bool typed_find_potential(struct system *system)
 {
     const struct typed_part *part = typed_term_of(system->typed.c)->part;
@@ -313,6 +315,7 @@ static bool is_drag(const struct system *system, const struct bound_term *bound)
     return true;
 }
 
+/* Returns true if every term has a potential, is drag, or depends on time alone. */
 bool typed_has_energy(const struct system *system)
 {
     for (int i = 0; i < system->terms && !typed_base(system->model); i++) {

@@ -169,6 +169,7 @@ static void size_unseen(int n, double *max)
             max[i] = UNREACHED_SIZE * largest;
 }
 
+/* Sets the start; all natural sizes are 1. */
 void typed_start(const double *param, struct system *system)
 {
     const struct typed *typed = system->model->typed;
@@ -179,6 +180,8 @@ void typed_start(const double *param, struct system *system)
     }
 }
 
+/* Sets the start and the natural sizes: of an oscillator, by the exact solution, or by a trial
+ * run. */
 void typed_begin(const double *param, struct system *system)
 {
     double max[LIMIT_VARIABLES];

@@ -250,6 +250,8 @@ static const struct term_row sliding_row = {
     .add = sliding_add_rates,
     .jacobian = jacobian};
 
+/* Freezes the system on both sides of each switch along which it slides, and gives it the sliding
+ * row. */
 bool system_slide(const struct system *system, const double *branch, const bool *slides,
                   double time_offset, struct sliding *sliding, struct system *frozen)
 {
@@ -374,6 +376,7 @@ static void newton_correct(const struct sliding *s, struct sliding_fields *field
     state_move(s, correction, fields->jump, y);
 }
 
+/* Corrects y until all arguments are at their switches. Returns true if it moved. */
 bool sliding_return(const struct sliding *s, double t, double *y)
 {
     struct sliding_fields fields;
@@ -395,6 +398,7 @@ bool sliding_return(const struct sliding *s, double t, double *y)
     return moved;
 }
 
+/* Returns true if the argument of switch i has too large a rate to stay at the switch. */
 bool sliding_passes(const struct sliding *s, int i, double t, const double *y, double tolerance)
 {
     struct sliding_fields fields;
@@ -422,6 +426,7 @@ void sliding_guards(const struct sliding *s, double t, const double *y, double *
         guard[s->switch_index[k]] = fraction[k] * (1 - fraction[k]);
 }
 
+/* Returns the branch on the side whose fraction is larger. */
 double sliding_leaves(const struct sliding *s, int i, double t, const double *y)
 {
     struct sliding_fields fields;

@@ -26,6 +26,7 @@ static bool too_deep(const struct expr *expr)
     return max > LIMIT_EXPR_DEPTH;
 }
 
+/* Makes an expression of one operation. */
 const struct expr *typed_value(struct arena *arena, struct op op)
 {
     struct expr *made = arena_alloc(arena, sizeof *made);
@@ -57,6 +58,7 @@ static bool operations_append(struct arena *arena, struct expr *target, const st
     return true;
 }
 
+/* Appends the operations of a, of b, and the operation itself. */
 const struct expr *typed_join(struct arena *arena, const struct expr *a, const struct expr *b,
                               enum op_kind op, struct error *error)
 {
@@ -227,6 +229,7 @@ static bool sort_ending(const struct sorting *s, size_t index, const struct wrap
     return true;
 }
 
+/* Scans the operations, then puts each summand into the sum of its group. */
 bool typed_sort(const struct typed_sort *sort, const struct expr *expr,
                 const struct expr *group[GROUPS])
 {

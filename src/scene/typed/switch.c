@@ -143,6 +143,7 @@ static bool turns_only(const struct typed_part *part)
     return true;
 }
 
+/* Makes programs with names for the branches, if the scene has switches and values have room. */
 bool typed_freeze(const struct typed *typed, uint64_t zeros, struct typed_part *part,
                   struct error *error)
 {
@@ -242,6 +243,7 @@ void typed_branches_at(const struct typed_part *part, const double *bound, const
            (size_t)part->switches.count * sizeof *branch);
 }
 
+/* Replaces the typed terms by one frozen term; built-in ones stay. */
 void typed_branches_take(const struct system *system, const double *branch, int count,
                          struct system *frozen)
 {

@@ -41,6 +41,7 @@ void typed_destroy(struct typed_models *models)
     free(models);
 }
 
+/* Destroys models that are not used, once their number has doubled since the last sweep. */
 void typed_sweep(struct typed_models *models,
                  bool (*used)(const void *context, const struct model *model), const void *context)
 {
@@ -291,6 +292,7 @@ static bool can_line_fit(const struct typed *typed, const struct typed_line *lin
     return line->kind == TYPED_EQUATION || primed || typed_name_fits(name, error);
 }
 
+/* Adds the line, or replaces the one of the same name, in a copy of the model. */
 const struct model *typed_add(struct typed_models *models, const struct model *source,
                               const struct typed_line *line, struct error *error)
 {
@@ -389,6 +391,7 @@ static const struct model *finish_without(struct typed_models *models, struct ty
     return NULL;
 }
 
+/* Removes the line in a copy of the model; without lines, the base is the model. */
 const struct model *typed_remove(struct typed_models *models, const struct model *source,
                                  enum typed_kind kind, struct text name, struct error *error)
 {
@@ -422,6 +425,7 @@ static const struct param_row *param_row(const struct model *model, size_t i)
     return (const struct param_row *)(const void *)catalog_row(model->params, i);
 }
 
+/* Gives the scene the new model, with the values of parameters that both have. */
 void scene_remodel(struct scene *scene, const struct model *model)
 {
     const struct scene was = *scene;

@@ -222,6 +222,7 @@ static void around_origin(const struct force_path *path, double s, double *q, do
     }
 }
 
+/* Integrates the force along a path of this shape. */
 double typed_work(const double *c, enum typed_path shape, const double *q_begin,
                   const double *q_end, double *size)
 {

@@ -104,6 +104,7 @@ static int derivative(struct graph *g, const struct node *node, int i, const int
     }
 }
 
+/* Goes through the nodes in their order, so that operands have their derivatives before. */
 void graph_derive(struct graph *g, int name, const bool *mark, int count, int *slope)
 {
     for (int i = 0; i < count; i++) {

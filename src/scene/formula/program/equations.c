@@ -6,6 +6,7 @@
 
 #include "scene/formula/program/program.h"
 
+/* Creates equations without outputs, in which each name means itself. */
 struct equations *equations_create(int names, struct error *error)
 {
     struct equations *e = calloc(1, sizeof *e);
@@ -106,6 +107,7 @@ bool equations_let(struct equations *e, int name, const struct expr *expr, struc
     return true;
 }
 
+/* Makes room for `more` outputs; returns false if out of memory. */
 bool equations_reserve(struct equations *e, int more)
 {
     if (e->outputs + more <= e->capacity)
@@ -121,6 +123,7 @@ bool equations_reserve(struct equations *e, int more)
     return true;
 }
 
+/* Adds the expression to the graph and its node to the outputs. */
 bool equations_add(struct equations *e, const struct expr *expr, struct error *error)
 {
     const int node = add_expr(e, expr);
@@ -147,6 +150,7 @@ int equations_count(const struct equations *e)
     return e->outputs;
 }
 
+/* Adds the derivatives of `count` outputs from `first` on by each name, output by output. */
 bool equations_derive(struct equations *e, int first, int count, const int *name, int names,
                       struct error *error)
 {

@@ -12,6 +12,7 @@
 
 /* ---- nodes ---- */
 
+/* Returns the number of operands; 0 for numbers and names. */
 int node_arity(enum node_kind kind)
 {
     static const signed char arity[NODE_KINDS] = {
@@ -106,6 +107,7 @@ static int node_intern(struct graph *g, struct node node)
     return g->count++;
 }
 
+/* Makes an empty graph, whose node 0 is the number 0. */
 void graph_init(struct graph *g, struct arena *arena, bool binds)
 {
     *g = (struct graph){.arena = arena, .binds = binds, .has_terms = binds};
@@ -116,6 +118,7 @@ void graph_init(struct graph *g, struct arena *arena, bool binds)
     g->node[g->count++] = (struct node){.kind = NODE_NUMBER};
 }
 
+/* Sets the error if the graph has run out of memory or become too large. */
 bool graph_check(const struct graph *g, struct error *error)
 {
     if (g->failed == GRAPH_NO_MEMORY)
@@ -344,6 +347,7 @@ int graph_apply(struct graph *g, enum node_kind kind, int a, int b, int c)
     return graph_node_make(g, (struct node){.kind = kind, .operand = {a, b, c}});
 }
 
+/* Replaces functions that are operations by these: fabs, sqrt, sign and step. */
 int graph_one(struct graph *g, double (*one)(double), int a)
 {
     if (one == fabs || one == sqrt)

@@ -291,6 +291,7 @@ static bool schedule_in_parts(struct program *p, const struct steady_names *stea
     return fine;
 }
 
+/* Runs the program of retained values, whose results follow the steady names. */
 void program_keep(const struct program *p, double *steady)
 {
     double few[PROGRAM_FEW], *frame = p->keep ? program_place(p->keep, few) : few;
@@ -313,6 +314,7 @@ void program_keep(const struct program *p, double *steady)
 
 /* ---- making and destroying ---- */
 
+/* Binds names that are known, schedules the operations, and translates them to machine code. */
 struct program *program_create_keeping(const struct equations *e, int first, int count,
                                        const bool *bound, const double *value,
                                        const struct steady_names *steady, bool native,
@@ -356,6 +358,7 @@ struct program *program_create(const struct equations *e, int first, int count, 
     return program_create_keeping(e, first, count, bound, value, NULL, native, error);
 }
 
+/* Frees the program with everything that it owns. */
 void program_destroy(struct program *p)
 {
     if (!p)
@@ -386,6 +389,7 @@ bool program_constant(const struct program *p, int output, double *value)
     return node->kind == NODE_NUMBER;
 }
 
+/* Marks what the outputs need, and looks for the names among it. */
 bool program_depends_on(const struct program *p, int first, int count, int name, int names)
 {
     bool *mark = calloc((size_t)p->nodes, sizeof *mark), found = !mark;
@@ -426,6 +430,7 @@ void program_prepare(const struct program *p, double *frame)
         memcpy(&frame[p->slots + i], &none, sizeof none);
 }
 
+/* Runs the program on the values of all its names. Returns output 0. */
 double program_eval(const struct program *p, const double *input, double *output, double *frame)
 {
     double x[LEADING] = {0};

@@ -204,6 +204,7 @@ static void freeze_nodes(struct freezing *f, int count, const bool *reached)
     }
 }
 
+/* Makes the frozen nodes of the outputs, and adds these behind the arguments of the switches. */
 bool equations_freeze(struct equations *e, int first, int count, struct switches *found,
                       struct error *error)
 {
