@@ -18,12 +18,14 @@ struct taken_column {
     char **text;   /* [rows], or NULL if the column has values */
 };
 
+/* A table that hooke_table() returns; the arena owns its columns. */
 struct hooke_table {
     struct arena arena;
     size_t rows, columns;
     struct taken_column *column;
 };
 
+/* A session with what the last call printed. */
 struct hooke {
     struct session *session;
     struct cancel cancel;

@@ -10,6 +10,7 @@
 #define BLOCK_FIRST 4096u
 #define BLOCK_LARGEST (1u << 20)
 
+/* A block of an arena; the newest is the first of the list. */
 struct arena_block {
     struct arena_block *next;
     size_t size, used; /* [byte] of data */

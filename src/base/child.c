@@ -19,6 +19,7 @@
 #include <sys/prctl.h>
 #endif
 
+/* [byte] Most output of the child that is read at once. */
 #define REPLY_CHUNK_BYTES 8192
 #define LOOK_MS 20 /* [ms] between two looks at cancellation and at the child */
 
@@ -82,10 +83,11 @@ static _Noreturn void child_work(const struct child *child, int end, pid_t paren
 
 /* ---- in the parent ---- */
 
+/* The child as the parent sees it. */
 struct process {
     pid_t pid;
-    int descriptor, status;
-    bool ended; /* its status is known */
+    int descriptor, status; /* end of the pipe; wait status */
+    bool ended;             /* its status is known */
 };
 
 /* Sets the error "WORK: why". Returns false. */

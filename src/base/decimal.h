@@ -19,6 +19,7 @@ __extension__ typedef unsigned __int128 wide;
 #define HAVE_WIDE 0
 #endif
 
+/* Exponent of the largest power of five that fits into 64 bits. */
 #define POWER5_MAX 27
 #define POWER10_MAX 22 /* the largest power of ten that is a double */
 

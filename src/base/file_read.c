@@ -15,6 +15,7 @@
 #include <time.h>
 #include <unistd.h>
 
+/* [byte] Most that is read at once. */
 #define READ_CHUNK_BYTES 16384u
 #define PATIENCE_NS 200000000 /* [ns] longest wait for a writer of a named pipe */
 #define PATIENCE_ATTEMPTS 20  /* number of attempts within that time */

@@ -17,6 +17,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+/* A hidden name is this prefix, random hex digits, a mark and the base name. */
 #define STRAY_PREFIX ".hooke-"
 #define PREFIX_LEN (sizeof STRAY_PREFIX - 1)
 #define STRAY_HEX_DIGITS 8

@@ -22,6 +22,7 @@ const struct catalog word_catalog = CATALOG("word", words);
 
 /* ---- names of other catalogs ---- */
 
+/* Use of settings and parameters, as in the table below. */
 #define SETTING_HINT "'%1 = VALUE' as a command of its own sets it"
 
 /* Text that shows how to use a name of the catalog; %1 stands for the name. */

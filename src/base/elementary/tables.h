@@ -5,6 +5,7 @@
 
 #include "base/elementary/wide.h"
 
+/* Rows of the tables for exp and log, which divide a factor of two into 128 parts. */
 #define TABLE_ROWS 128
 #define ROW_SHIFT 45 /* shifts the bits of a double to the number of the row */
 
@@ -24,6 +25,7 @@ extern const uint64_t powers_of_two[TABLE_ROWS];
  * = 1.
  */
 #define FIRST_M 0x3FE6500000000000
+/* c near 1/m, and -log c = high + low. */
 struct reciprocal {
     double c, high, low;
 };

@@ -146,6 +146,7 @@ static size_t word_around(struct text line, size_t *begin, const char *ends)
     return end - *begin;
 }
 
+/* Characters that end a word at the cursor. */
 #define WORD_ENDS " \t\n;"
 
 /* Finds statement and word at the cursor, and appends the help command that explains it. */

@@ -10,6 +10,7 @@
 #include "method/step/split_body.h"
 #include "method/step/weights.h"
 
+/* Most stages of a Runge-Kutta method, and most weights of a splitting. */
 enum { STAGES_MAX = 16, WEIGHTS_MAX = 40 };
 
 INLINE void copy_numbers(int count, const double *source, double *target)

@@ -13,6 +13,7 @@
                                          */
 #endif
 #define UNROLL _Pragma("GCC unroll 32")
+/* Largest number of variables, for march_body.h. */
 enum { MOST = 4 };
 #include "method/kernel/typed.h"
 #include "method/rows/rows.h"

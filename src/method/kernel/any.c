@@ -9,6 +9,7 @@
 #endif
 #define UNROLL _Pragma("GCC unroll 8")
 #include <hooke/base/limit.h>
+/* Largest number of variables, for march_body.h. */
 enum { MOST = LIMIT_VARIABLES };
 #include "method/kernel/typed.h"
 #include "method/step/step_body.h"

@@ -20,6 +20,7 @@
 
 /* Scenes of two coordinates use vectors of two numbers, which halves the instructions. */
 typedef double pair __attribute__((vector_size(16)));
+/* Number of variables of such scenes, and of their pairs. */
 enum { PAIRED = 4, PAIRS = PAIRED / 2 };
 
 /* Copies four numbers into pairs. */
@@ -283,6 +284,7 @@ INLINE bool has_controlled_kernel(const struct method *method, int shape)
     return method->flags & METHOD_CONTROLLED && (always || method->flags & METHOD_UNROLLED);
 }
 
+/* Names of rows and kernels, made unique by the line at which a row ends. */
 #define RK_ROW JOIN(rk_, __LINE__)
 #define NAME(shape) JOIN(shape##_controlled_, __LINE__)
 /* Defines the kernel of RK_ROW for one shape. */

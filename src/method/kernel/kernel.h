@@ -47,6 +47,7 @@ enum {
 /* Shapes of one coordinate whose implicit stages are solved in closed form, and by iteration. */
 #define CLOSED_SHAPES(S) S(spring) S(damped) S(drag) S(damped_drag) S(driven)
 #define MOTION_SHAPES(S) S(duffing) S(driven_duffing) S(vanderpol) S(pendulum) S(driven_pendulum)
+/* Most stages of an implicit method. */
 enum { IMPLICIT_STAGES = 3 };
 
 #define TERMS_OF_spring(T) T(0, spring)
@@ -111,6 +112,7 @@ enum {
 ALL_SHAPES(SHAPE_FUNCTIONS)
 
 #define SHAPE_PLACE(shape) SHAPE_##shape,
+/* Numbers of the shapes (SHAPE_name). */
 enum { ALL_SHAPES(SHAPE_PLACE) SHAPE_COUNT };
 
 /* Returns the numbers of a system's terms, in their order, packed into one word, or 0 if they are

@@ -51,6 +51,7 @@ FLOWS(FLOW_FUNCTIONS)
 
 /* ---- steps ---- */
 
+/* Names of rows and kernels, made unique by the line at which a row ends. */
 #define ROSENBROCK_ROW JOIN(rosenbrock_, __LINE__)
 #define NAME(shape) JOIN(shape##_rosenbrock_, __LINE__)
 /* Defines the step kernel of ROSENBROCK_ROW for a shape of n variables. */
@@ -74,6 +75,7 @@ FLOWS(FLOW_FUNCTIONS)
 /* ---- the table ---- */
 
 #define FLOW_PLACE(shape, n) SHAPE_##shape,
+/* Numbers of the systems of first order, behind those of the shapes of kernel.h. */
 enum { LAST_MOTION = SHAPE_COUNT - 1, FLOWS(FLOW_PLACE) PLACES };
 
 #define FLOW_CASE(name, n)                                                                         \

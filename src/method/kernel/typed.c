@@ -4,6 +4,7 @@
  * for each row, with the forces called as programs.
  */
 #define UNROLL _Pragma("GCC unroll 32")
+/* Largest number of variables, for march_body.h. */
 enum { MOST = 4 };
 #include "method/kernel/typed.h"
 #include "method/rows/rows.h"

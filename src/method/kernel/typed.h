@@ -19,6 +19,7 @@ struct typed_addend {
     double *frame; /* memory of the program */
 };
 
+/* A sum of terms. */
 struct typed_sum {
     struct typed_addend part[TERM_MAX];
     int parts;
@@ -86,6 +87,7 @@ TYPED_MOTIONS(MOTION_FUNCTIONS)
 TYPED_FLOWS(FLOW_FUNCTIONS)
 
 #define TYPED_PLACE(name, n) PLACE_##name,
+/* Numbers of these shapes (PLACE_name). */
 enum { TYPED_MOTIONS(TYPED_PLACE) TYPED_FLOWS(TYPED_PLACE) TYPED_COUNT };
 
 /* Returns the number PLACE_name of the shape that a system has, or -1 if it has none. splits asks

@@ -51,6 +51,7 @@ static const struct method methods[] = {
 };
 
 #ifdef HOOKE_SUNDIALS
+/* Number of methods that this build lacks. */
 enum { ABSENT = 0 };
 #else
 static const struct row absent[] = {

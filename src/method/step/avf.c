@@ -11,6 +11,7 @@
  */
 #include "method/step/newton.h"
 
+/* Nodes of the quadrature. */
 #define GAUSS_NODES 6
 
 /* Nodes on [0, 1], the first half; the other is its mirror image (Abramowitz, Stegun 1964, table

@@ -17,6 +17,7 @@ typedef void newton_residual_function(const struct newton *equations, struct ste
                                       double t, double h, const double *y, const double *z,
                                       double *scratch, double *residual);
 
+/* The equations of one step's stages. */
 struct newton {
     const struct implicit_tableau *tableau;
     newton_residual_function *residual; /* newton_stages() or the method's own */

@@ -12,6 +12,7 @@
  */
 #include "method/step/step.h"
 
+/* Number of integrations with the midpoint rule, and of columns of the extrapolation. */
 enum { COLUMNS = 6 };
 
 /* The work array holds the extrapolated increments [COLUMNS][n], the same smoothed, then four

@@ -59,6 +59,7 @@ INLINE void rosenbrock_copy(int count, const double *source, double *target)
 /* ---- up to three unknowns, in pairs of numbers in registers; multiplying by the inverse is a
  * shorter chain of operations than two substitutions ---- */
 
+/* Largest n whose matrix is inverted, and most stages of a method. */
 enum { INVERTED = 3, STAGES_MOST = 8 };
 
 typedef double pair __attribute__((vector_size(16)));

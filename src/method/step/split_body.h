@@ -17,6 +17,7 @@
 /* Computes accelerations a [n/2] at t and y; context is data of the function. */
 typedef void force_function(const void *context, double t, const double *y, double *a);
 
+/* Forces of a system, for drifts and kicks. */
 struct split_forces {
     force_function *force; /* forces that do not depend on velocity */
     force_function *drag;  /* forces that do */

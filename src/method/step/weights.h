@@ -8,6 +8,7 @@
 
 #include "method/step/step.h"
 
+/* Most stages of an explicit Runge-Kutta method. */
 enum { WEIGHT_STAGES = 16 };
 
 /* The weights of a stage that are not 0, times h, and the stages that they multiply. */
