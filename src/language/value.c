@@ -58,8 +58,8 @@ struct number_part {
     double last_digits;
 };
 
-/* Takes the uncertainty in parentheses right behind a typed number off the text and returns it:
- * 200.0(1) is 200.0 +- 0.1. Returns 0, and takes nothing, if there is none. */
+/* Takes the uncertainty in parentheses directly behind a typed number off the text and returns it:
+ * 200.0(1) is 200.0 +- 0.1. Returns 0, and takes nothing, if none follows. */
 static double take_last_digits(struct text typed, struct text *rest)
 {
     size_t end = 1, decimals = 0, i = typed.len;

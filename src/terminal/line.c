@@ -259,8 +259,8 @@ int rl_insert_text(const char *text)
     return own ? own(text) : 0;
 }
 
-/* Ends a line without its undo list, parts of which would have been freed if the line was left and
- * come back to. The history keeps the line as it is. */
+/* Ends a line without its undo list, of which parts would already be freed if the user had left the
+ * line and come back. The history keeps the line unchanged. */
 int rl_newline(int count, int key)
 {
     static int (*own)(int, int);

@@ -118,7 +118,7 @@ enum shown screen_show(struct terminal_screen *screen, int first_row, int bytes,
 enum line_from {
     LINE_TYPED,
     LINE_KEY,    /* a key: executed like a typed line, but not added to the history */
-    LINE_SILENT, /* looks at the screen only: neither shown in the log nor remembered */
+    LINE_SILENT, /* a key that changes only the view: neither logged nor added to the history */
 };
 
 /* State of the panes front end. */
@@ -193,7 +193,7 @@ void edit_put_aside(struct panes *panes);
  * a search. */
 void edit_paste(struct panes *panes, struct text paste);
 
-/* ---- what is longer than the log (reading.c) ---- */
+/* ---- pages of text that is longer than the log (reading.c) ---- */
 
 /* Describes the position of the page, or the notice, and the keys. */
 void reading_prompt(const struct session *session, struct text notice, struct buffer *text);

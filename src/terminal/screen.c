@@ -323,7 +323,8 @@ enum shown screen_show(struct terminal_screen *screen, int first_row, int bytes,
     const int all = screen->height - first_row;
     int sent = 0, i = 0;
     for (; i < all && sent < bytes; i++) {
-        const int y = first_row + (screen->next + i) % all; /* goes on where the last part ended */
+        /* continues where the last part ended */
+        const int y = first_row + (screen->next + i) % all;
         const size_t offset = (size_t)y * (size_t)screen->width;
         const int cost =
             row_cost(screen->canvas.cell + offset, screen->shown.cell + offset, screen->width);

@@ -88,7 +88,7 @@ void streams_page(struct streams *streams, int width, int height);
 /* Writes all of the text, continuing after signals. On failure *failure is errno. */
 bool write_all(int fd, struct text text, int *failure);
 
-/* ---- --safe, kept by the kernel (confine/landlock.c) ---- */
+/* ---- --safe, enforced by the kernel (confine/landlock.c) ---- */
 
 int confine_version(void); /* Returns the version of Landlock, or 0 if this kernel has none. */
 /* Allows this program to write only beneath these folders (NULL if there is none), and to run no
@@ -148,7 +148,8 @@ void crash_restore(void); /* only write() and tcsetattr(): may be called from a 
 /* Registers a serial line whose modes an abnormal end restores, too. NULL ends this. */
 struct termios;
 void crash_line(int fd, const struct termios *modes);
-void crash_end(void); /* crash_restore() and the line: nothing goes on after it */
+/* crash_restore() for the terminal and the serial line, before the program ends */
+void crash_end(void);
 /* Catches a signal that ends the program, so that it restores the modes first. crash_modes() and
  * crash_line() do so for all signals that are neither caught nor ignored. */
 void crash_signal(int number);
@@ -213,7 +214,7 @@ void rc_run(struct session *session, struct reply *reply);
 /* A typed or pasted text: several lines are a small script named "paste" that stops at its first
  * error. Returns false if it did. */
 bool typed_run(struct session *session, struct text typed, struct reply *reply);
-/* Runs lines as a script of that name, or typed ones where it is NULL. Returns false if it
+/* Executes lines as a script of this name, or as typed lines if name is NULL. Returns false if it
  * failed. */
 bool lines_run(struct session *session, const char *name, struct text lines, struct reply *reply);
 /* Writes the line that greets the user. */
@@ -240,8 +241,8 @@ void line_mend(void);
 void line_redisplay(void); /* rl_redisplay_function where readline draws */
 /* Empties the line. */
 void line_drop(void);
-/* Leaves a search, a sequence, or a paste whose end a Ctrl-C has made the terminal forget: readline
- * jumps to where it reads a new key. Called where it asks for one; does not return. */
+/* Leaves a search, a key sequence, or a paste whose end was lost by a Ctrl-C, by readline's own
+ * jump to where it reads a new key. Called in readline's source of keys; does not return. */
 void line_leave(void);
 /* Frees, between two lines, memory that readline has given up since the last one, and lists of
  * undo. */

@@ -6,7 +6,7 @@
 
 #include <limits.h>
 
-/* Shows what has been typed during a run, where the rest of the screen is still right. */
+/* Draws the prompt if keys were typed during a run and the rest of the screen has not changed. */
 static void echo_typed(struct panes *panes)
 {
     if (panes->echo_stale && !panes->screen_stale)

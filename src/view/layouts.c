@@ -68,8 +68,8 @@ static const struct arrangement arrangements[] = {
     [LAYOUT_LOG] = {.first = 1},
 };
 
-/* Chooses those of the wanted panes that the session has something to show in. A phase plot becomes
- * an orbit if there is one, unless the phase plot has the focus. Returns their number. */
+/* Chooses those of the wanted panes for which the session has something to show. A phase plot
+ * becomes an orbit if there is one, unless the phase plot has the focus. Returns their number. */
 static int choose_panes(const struct session *session, const enum plot_kind *wanted, int count,
                         enum plot_kind *chosen)
 {

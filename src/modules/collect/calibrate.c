@@ -28,7 +28,7 @@ struct raw {
     /* scatter is the standard deviation of one sample */
     double mean, scatter;
     size_t n;
-    const struct unit *unit; /* NULL if there is none */
+    const struct unit *unit; /* unit of the readings, or NULL */
 };
 
 /* Averages the uncalibrated samples of a recording from t_begin to t_end [s]. Returns false with an

@@ -12,7 +12,7 @@
 #include <time.h>
 #include <unistd.h>
 
-#define LOOK_NS 50000000 /* interval between looks at the file */
+#define LOOK_NS 50000000 /* [ns] interval between two readings of the file */
 #define SILENT_S 2.0     /* [s] silence after which the user is told what is missing */
 
 /* Returns the index of the growing recording among the session's recordings, or -1. */
@@ -92,7 +92,7 @@ static void apply_new_calibration(struct collection *c)
     if (!collect_put_calibration(c, &error))
         reply_warning(c->reply, "the calibration was not written to the file: %s", error.text);
     collect_view_restart(&c->view);
-    c->live.laid.model = NULL; /* the overlaid run is computed anew */
+    c->live.laid.model = NULL; /* the run beside the data is computed again */
     const int place = collect_own_place(c->session);
     if (place >= 0)
         session_drop_recording(c->session, place);

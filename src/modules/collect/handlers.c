@@ -49,7 +49,7 @@ static void put_options(const struct arguments *args, bool all, struct buffer *o
     }
 }
 
-/* Makes a name of letters, digits and _, with - for the rest. */
+/* Makes a name of the source's first `max` characters; all but letters, digits and _ become -. */
 static void plain_name(struct text source, size_t max, char name[LIMIT_NAME + 1])
 {
     size_t len = 0;

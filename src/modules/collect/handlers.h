@@ -110,7 +110,8 @@ void collect_fit_last(struct collection *c);
 void collect_say_fit(const struct collection *c);
 /* Frees the run beside the data and ends live fits. */
 void collect_live_free(struct collection *c);
-/* Writes the calibration into the file, where it holds from the beginning. */
+/* Appends the calibration to the file, for all of its lines. Returns false with an error if that
+ * fails. */
 bool collect_put_calibration(const struct collection *c, struct error *error);
 /* Follows the lines until the collection ends. Returns true if Ctrl-C ended it. */
 bool collect_follow(struct collection *c);

@@ -6,12 +6,10 @@
 
 #include "modules/recording/table/table.h"
 
-/* ---- files of what was collected ----
- *
- * COLLECTED_HEAD and a version, a comment with the statement that made it, then each line as
- * "ARRIVAL<TAB>LINE", seconds since the first of them began to be waited for. Bytes of a line that
- * are no text stand as \xHH, what was cut off as "\...": such a line is garbled.
- */
+/* ---- files of collected lines: COLLECTED_HEAD and a version, a comment with the statement that
+ * made the file, then each line as "ARRIVAL<TAB>LINE"; an arrival is in seconds since collecting
+ * began. Bytes that are no text are written as \xHH, the cut end of a line as "\...": such lines
+ * are garbled. ---- */
 
 #define COLLECTED_STATEMENT "# statement: "
 #define COLLECTED_CALIBRATION "# calibration: " /* the last one in the file holds */

@@ -51,7 +51,7 @@ void buffer_tex(struct buffer *output, struct text text)
             shown = text.data[i];
         buffer_char(&known, shown);
         while (c >= 0xC4 && i + 1 < text.len && ((unsigned char)text.data[i + 1] & 0xC0) == 0x80)
-            i++; /* the rest of a letter beyond Latin-1 */
+            i++; /* further bytes of a letter beyond Latin-1 */
     }
     buffer_latex(output, buffer_text(&known));
     output->failed |= known.failed;

@@ -26,7 +26,7 @@ enum block {
     BLOCK_PART,
     BLOCK_SECTION,
     BLOCK_QUESTION,
-    BLOCK_TOGETHER, /* kept on one page, where there are pages */
+    BLOCK_TOGETHER, /* its content is not divided between pages */
     BLOCK_PARAGRAPH,
     BLOCK_LIST, /* contains items */
     BLOCK_ITEM,

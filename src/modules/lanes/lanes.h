@@ -31,7 +31,7 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
 /* Starts this lane at the system's initial state, before the first step; the system must outlive
  * the lanes. Every lane has to be set, with a copy of another if necessary. */
 void lanes_set(struct lanes *lanes, int lane, const struct system *system);
-/* The same for a lane with steps of its own; systems may have other t0, unless steps adapt. */
+/* Starts this lane with a step h of its own; systems may have other t0, unless steps adapt. */
 void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h);
 /* Makes `count` steps in all lanes, without any checks. row [count][2][LANE_COUNT] receives the
  * first variable and its derivative after each step, or is NULL. */
@@ -64,13 +64,8 @@ bool lanes_adapted(const struct lanes *lanes, int lane, int64_t *steps, int64_t 
 /* Returns true if a step reuses an evaluation of the previous one. */
 bool lanes_carry(const struct method *method, enum drag drag);
 
-/* ---- programs of formulas on many lanes ----
- *
- * What program_eval() does, with the same bits and PROGRAM_LANES doubles for each name and output.
- * The frame is prepared for one place of input [names]. lanes [names]: what is known of the
- * names, or NULL if nothing is; those that are fixed have their values already. All of them are
- * best aligned to 64 bytes.
- */
+/* ---- programs of formulas on many lanes: the same bits as program_eval(), with PROGRAM_LANES
+ * doubles for each name and output. Arrays should be aligned to 64 bytes. ---- */
 #define PROGRAM_LANES LANE_COUNT
 
 /* Knowledge about a program's names or values. */

@@ -53,7 +53,7 @@ static int compute_extreme_values(const struct run *run, const double *y,
     return count;
 }
 
-/* Inserts a row into n ascending ones unless it is there. Returns the new number. */
+/* Inserts a row into n ascending ones unless it is among them. Returns the new number. */
 static size_t row_insert(size_t *row, size_t n, size_t next)
 {
     size_t index = n;

@@ -23,7 +23,8 @@ static bool has_ends(const struct figure_range *range)
     return range && (!isnan(range->end[0]) || !isnan(range->end[1]));
 }
 
-/* Finds the extent of the curves along an axis, for what can be seen along the other. */
+/* Finds the extent of the curves along an axis, for samples inside of the range that the user has
+ * set for the other one. */
 static struct extent find_extent(const struct drawing *d, bool vertical)
 {
     const struct figure_range *other_range = vertical ? d->request->x : d->request->y;

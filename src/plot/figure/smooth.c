@@ -66,7 +66,8 @@ static bool smooth_rows(const struct run *run, const struct chosen_rows *rows, i
     return true;
 }
 
-/* Returns the index of the state variable on an axis, or -1 if something else is there. */
+/* Returns the index of the state variable on the horizontal axis (coordinate -1) or that of a
+ * coordinate, or -1 if the axis shows something else. */
 static int state_on_axis(const struct drawing *d, int coordinate)
 {
     const enum plot_kind kind = d->request->kind;

@@ -21,7 +21,7 @@
 #define SYNC_NS 500000000  /* [ns] and synchronised with the disk after this time */
 /* [ns] a serial line that sends before this was in the middle of a line */
 #define HALF_NS 500000000
-#define GROWTH_MS 20 /* [ms] interval between looks at a file that grows */
+#define GROWTH_MS 20 /* [ms] interval between two readings of a file that grows */
 #define FEED_CHUNK_BYTES 65536u
 
 /* A feed: state shared by its thread and the session. */

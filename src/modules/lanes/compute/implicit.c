@@ -152,7 +152,7 @@ CLONES static void iterate_lanes(struct motion *m, struct lane_stage *stage, dou
     }
 }
 
-/* Computes the inverses anew, at the present iterate, for lanes that converge slowly. */
+/* Computes the inverses again, at the present iterate, for lanes that converge slowly. */
 static void renew_inverses(struct lanes *lanes, struct motion *m, struct lane_stage *stage)
 {
     double inverse[LANE_COUNT];

@@ -11,7 +11,8 @@
 #define INLINE static inline __attribute__((always_inline))
 #endif
 #ifdef __GNUC__
-#pragma GCC diagnostic ignored "-Wpsabi" /* all of them are inlined */
+/* vectors as arguments are only passed to inlined functions */
+#pragma GCC diagnostic ignored "-Wpsabi"
 #endif
 
 /* lanes in a vector */
