@@ -57,7 +57,7 @@ static const struct option_row {
     {0, "split", VALUE_WORD, " DIR", offsetof(struct options, split),
      "with --format csv: write each table to a file in a new folder", NULL},
     FLAG('q', "quiet", quiet,
-         "only records, warnings and errors; errors of runs are not estimated (help run)"),
+         "print only records, warnings and errors; do not estimate errors of runs (help run)"),
     FLAG('v', "verbose", verbose, "print each line on standard error before it is executed"),
     FLAG('h', "help", help, "show this list"),
     FLAG('V', "version", version, "show the version and the modules"),

@@ -61,7 +61,7 @@ ok "exit status 3: no digit is left of a chaotic run" $?
 ok "exit status 0 under -q, which looks for failures alone" $?
 [ "$(status_of -q -c "$lorenz; set opinion full; run 60 s")" -eq 3 ] && [ "$(status_of -q --format json -c "$lorenz; run 60 s")" -eq 3 ]
 ok "exit status 3 under -q with set opinion full, and of records" $?
-"$hooke" --help | grep -q -- "-q, --quiet .*errors of runs are not estimated" && "$hooke" -n -c 'help run' | tr -s '\n ' ' ' | grep -q "Under hooke -q the error of an adaptive run is not estimated"
+"$hooke" --help | grep -q -- "-q, --quiet .*do not estimate errors of runs" && "$hooke" -n -c 'help run' | tr -s '\n ' ' ' | grep -q "Under hooke -q the error of an adaptive run is not estimated"
 ok "--help and help run say that -q estimates no error" $?
 
 for statement in "runs" "compare euler rk4" "order rk4" "stability rk4" "precision rk4" "sweep k=10:20:5 measure=amplitude" "measure period" "list methods" "stress euler"; do

@@ -115,7 +115,7 @@ static bool draw_question(struct session *session, const struct arguments *args,
     if (!report || !view)
         return error_memory(error);
     if (!number->count) {
-        error_set(error, ERROR_COMMAND, "lab figure needs the number of a question");
+        error_set(error, ERROR_COMMAND, "'lab figure' needs the number of a question");
         return error_hint(error, "for example: lab figure 5");
     }
     *view = *session;
