@@ -147,12 +147,12 @@ struct precision_request {
 
 /* One setting of one method: a step or tolerance, what its solve cost, and its errors. */
 struct precision_point {
-    int curve;
+    int curve;      /* index in precision.curve */
     double dt, tol; /* dt = duration / 2^k [s], tol = 0; an adaptive solve has tol > 0, dt = 0 */
     int64_t steps;
     struct cost cost;
-    enum stop stop;
-    bool refused; /* the method takes no steps of this size here */
+    enum stop stop; /* reason for the end of the solve */
+    bool refused;   /* the method takes no steps of this size here */
     struct study_errors errors;
     /* error 1 was exceeded already in the 1/256 of the time in which the motion is fastest, and
      * only that was solved: steps, cost and error are of that part */
@@ -200,8 +200,8 @@ struct precision {
     struct scene scene;
     struct system system; /* that scene with its parameters bound */
     struct reference reference;
-    double duration;
-    bool compensated;
+    double duration;               /* [s] */
+    bool compensated;              /* sums of fixed steps */
     struct precision_point *point; /* [points] owned, those of a curve together */
     int points;
     struct precision_curve *curve; /* [choices] owned, of which `curves` are finished */

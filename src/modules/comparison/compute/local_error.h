@@ -52,8 +52,8 @@ bool study_local_error(const struct local_error_request *request, struct local_e
 struct local_error_row {
     const struct method *method;
     const struct variable *variable;
-    struct leading_error leading;
-    double dt, error;
+    struct leading_error leading; /* the variable's, the same in each of its rows */
+    double dt, error;             /* [s], and unit of the variable */
     double slope; /* log(error ratio)/log(dt ratio) to the longer step; NAN for the first */
 };
 

@@ -73,7 +73,7 @@ struct stability {
     double energy_factor;            /* square of growth_predicted */
     struct stability_check check[3]; /* dt, a little below dt_max, a little above */
     int checks;
-    bool agrees;
+    bool agrees; /* all checks, and the run of the scene itself, confirm what was predicted */
     enum stability_verdict verdict;
     double doubling; /* steps until the amplitude doubles, or HUGE_VAL if it never does */
     double weak[2];  /* growth - 1 is about weak[0] (omega dt)^weak[1], or NAN if it is not weak */
@@ -117,8 +117,8 @@ extern const struct catalog stress_verdict_catalog;
 
 /* One case: a preset with some parameters set, or the caller's scene with one thing changed. */
 struct stress_case {
-    const char *name, *brief;
-    const char *preset;
+    const char *name, *brief; /* name that the user types, and a line about it */
+    const char *preset;       /* name of the preset, or NULL in a case of the caller's scene */
     struct {
         const char *param;
         double value;                        /* SI */

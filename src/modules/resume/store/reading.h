@@ -34,11 +34,11 @@ struct read_run {
 /* A scene, or events, that were made from commands already and are used for the same commands
  * again. */
 struct made {
-    struct text script; /* the commands, in the reader's arena */
-    const struct model *model;
+    struct text script;        /* the commands, in the reader's arena */
+    const struct model *model; /* these two are of a scene */
     const struct preset *preset;
     const struct events *events;
-    bool is_events;
+    bool is_events; /* events were made, no scene */
 };
 
 /* Tables of the members that a file has (state.c). */

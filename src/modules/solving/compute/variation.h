@@ -12,8 +12,8 @@
  * and at p - delta. */
 struct term_change {
     const struct term_row *row;
-    bool is_present[2];
-    double c[2][TERM_VALUES];
+    bool is_present[2];       /* [0] at p + delta, [1] at p - delta */
+    double c[2][TERM_VALUES]; /* coefficients there, 0 where it is not present */
 };
 
 /* Changes of the scene by one parameter p. */

@@ -24,9 +24,9 @@ enum sweep_role { SWEEP_PARAM, SWEEP_DERIVED, SWEEP_DT, SWEEP_TOL };
 
 /* One axis of a sweep: `count` values from begin to end, evenly or in equal ratios (`log`). */
 struct sweep_axis {
-    char name[LIMIT_NAME + 1];
-    enum sweep_role target;
-    int index; /* index of the parameter or the derived quantity */
+    char name[LIMIT_NAME + 1]; /* name that the user types */
+    enum sweep_role target;    /* kind of the varied quantity */
+    int index;                 /* index of the parameter or the derived quantity */
     enum quantity quantity;
     double begin, end; /* SI */
     int count;
@@ -170,7 +170,7 @@ struct sweep_request {
     const struct cancel *cancel;
     /* Called ten times a second from the calling thread with the finished fraction; may be NULL. */
     void (*progress)(void *context, double fraction);
-    void *context;
+    void *context; /* passed to progress() */
 };
 
 /* Status of a point without a run; other points have that of enum stop. */
