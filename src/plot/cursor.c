@@ -138,7 +138,8 @@ static size_t count_late(const struct crossing *crossing, size_t count, const st
 static bool find_beat(const struct ground *g, const struct crossing *crossing, size_t count,
                       struct period *beat)
 {
-    /* Crossings whose phase is tried, and the largest fraction of them that may be off. */
+    /* Number of crossings whose phase is tried, and the largest fraction of all up-crossings that
+     * may be off. */
     enum { TRIED = 32 };
     static const double late_max = 0.34;
     struct error ignored;

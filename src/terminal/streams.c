@@ -182,7 +182,8 @@ static int terminal_rows(struct text text, int width, int max)
     return rows;
 }
 
-/* Ends the holding: shows output longer than the screen in the pager, or writes it. */
+/* Stops holding output back: shows it in the pager if it is longer than the screen, else writes it.
+ */
 void streams_page(struct streams *streams, int width, int height)
 {
     streams->holding = false;

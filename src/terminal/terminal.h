@@ -81,9 +81,9 @@ struct sink streams_sink(struct streams *streams);
 /* Writes the gathered output. Returns false if standard output has failed. */
 bool streams_flush(struct streams *streams);
 void streams_free(struct streams *streams);
-/* Ends the holding: output that is longer than the screen is shown in $PAGER ("less" if empty), a
- * program with arguments separated by blanks, started without a shell. Shorter output, or all if
- * that fails, is written. */
+/* Stops holding output back: output that is longer than the screen is shown in $PAGER ("less" if
+ * empty), a program with arguments separated by blanks, started without a shell. Shorter output, or
+ * all if that fails, is written. */
 void streams_page(struct streams *streams, int width, int height);
 /* Writes all of the text, continuing after signals. On failure *failure is errno. */
 bool write_all(int fd, struct text text, int *failure);
