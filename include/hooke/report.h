@@ -161,7 +161,7 @@ struct run_record {
     const struct run *run;
     /* Number of the run. */
     int number;
-    /* Name of the method, and stop_name(). */
+    /* Name of the method, and run_status(). */
     const char *method, *status;
     double dt, tol; /* Fixed step [s] or tolerance; NAN if the other one is used. */
     /* First position and velocity [SI]; NAN if the scene has no such variable, or if no digit is

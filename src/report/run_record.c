@@ -28,7 +28,7 @@ void run_record_init(struct run_record *record, const struct session *session,
         .steps = run->steps,
         .cost = run->cost,
         .data = run_data_distance(run, session_recording(session)),
-        .status = stop_name(run->stop)};
+        .status = run_status(run)};
     if (run->plan.adaptive)
         record->tol = run->settings.tol;
     else

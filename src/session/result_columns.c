@@ -69,9 +69,9 @@ static double run_error(const void *row)
     return errors.max;
 }
 
-static const char *run_status(const void *row)
+static const char *row_status(const void *row)
 {
-    return stop_name(run_of(row)->stop);
+    return run_status(run_of(row));
 }
 
 #define IN_RUN(member)                                                                             \
@@ -91,7 +91,7 @@ static const struct result_column of_run[] = {
     {.name = "error", .real = run_error, .flags = COLUMN_NO_RECORD},
     {.name = "method", .kind = COLUMN_ROW, IN_RUN(method), .flags = COLUMN_NO_RECORD},
     {.name = "rows", .kind = COLUMN_COUNT, .number = run_rows, .flags = COLUMN_NO_FILE},
-    {.name = "status", .kind = COLUMN_NAME, .text = run_status},
+    {.name = "status", .kind = COLUMN_NAME, .text = row_status},
     {.name = "current",
      .kind = COLUMN_BOOL,
      .offset = offsetof(struct run_row, current),

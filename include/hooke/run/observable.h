@@ -135,6 +135,10 @@ void run_ledger(const struct run *run, struct ledger *ledger);
 /* Does the same for short runs. For longer ones work and error are NAN, and error_max is the
  * largest in a sample of rows if no work is done, else NAN. */
 void run_ledger_brief(const struct run *run, struct ledger *ledger);
+/* Returns true if the method, not the scene, has made the energy grow more than a hundredfold. */
+bool run_is_unstable(const struct run *run);
+/* Returns the status of a run in one word: "unstable" for such a run, else that of its stop. */
+const char *run_status(const struct run *run);
 /* Returns the ratio of the largest energy of a row to that at the start, if the motion went through
  * far larger energies than at its start and end; otherwise NAN. An error "of E0" has to be compared
  * with this ratio. Passes over all rows. */

@@ -140,13 +140,9 @@ void reply_tiny(const struct run *run, struct reply *reply)
 static void reply_growth(struct run *run, struct reply *reply)
 {
     struct ledger ledger;
-    const struct oscillator *o = &run->system.oscillator;
-    if (run->warned_growth || !(run->plan.growth > 1) || o->damping < 0 || o->stiffness < 0 ||
-        stop_is_failure(run->stop))
+    if (run->warned_growth || !run_is_unstable(run))
         return;
     run_ledger_brief(run, &ledger);
-    if (!(ledger.final > 100 * ledger.initial))
-        return;
     struct buffer text = {0};
     if (ledger.initial > 0)
         buffer_format(&text, "by a factor of %s", SHOWN_SHORT(ledger.final / ledger.initial, 2));

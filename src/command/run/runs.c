@@ -23,7 +23,7 @@ static void reply_row(const struct session *session, int index, struct reply *re
     else
         buffer_format(text, "dt=%s", SHOWN_QUANTITY(run->settings.dt, QUANTITY_TIME, 4));
     buffer_format(text, "  t=%.6g s  %lld steps  %s", run->t, (long long)run->steps,
-                  stop_name(run->stop));
+                  run_status(run));
     if (run->name[0]) {
         buffer_put(text, TEXT("  "));
         safe_text(text, text_of(run->name), false);

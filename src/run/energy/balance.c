@@ -311,3 +311,23 @@ void balance_extend(const struct run *run, struct balance *balance, double t, co
     balance->t = t;
     copy_state(balance->y, y, run->system.n);
 }
+
+/* ---- growth by the method ---- */
+
+/* Growth of the energy from which a run counts as unstable. */
+static const double unstable_growth = 100;
+
+bool run_is_unstable(const struct run *run)
+{
+    const struct oscillator *o = &run->system.oscillator;
+    if (!(run->plan.growth > 1) || o->damping < 0 || o->stiffness < 0 ||
+        stop_is_failure(run->stop) || !run->system.energy)
+        return false;
+    return balance_energy(run, &run_epoch(run, run->steps)->system, run->y) >
+           unstable_growth * run->private_state->balance.initial;
+}
+
+const char *run_status(const struct run *run)
+{
+    return run_is_unstable(run) ? "unstable" : stop_name(run->stop);
+}

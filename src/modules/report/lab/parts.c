@@ -211,7 +211,7 @@ static bool put_run_cell(struct document *document, const struct run *run, enum 
         buffer_short(&text, errors.max, 3);
         break;
     case RUN_STATUS:
-        buffer_put(&text, text_of(stop_name(run->stop)));
+        buffer_put(&text, text_of(run_status(run)));
         break;
     }
     const bool known = strcmp(buffer_view(&text), "nan") != 0;
