@@ -285,7 +285,7 @@ static enum stop advance_step(struct run *run, struct segment *segment)
         return STOP_END;
     if (must_thin(run)) /* instead of a step */
         return ledger_thin(run) ? STOP_NONE : STOP_FULL;
-    double t, h, end, was = run->t;
+    double t, h, end, previous_t = run->t;
     struct controller controller;
     controller_copy(&controller, &run->controller, &run->system);
     p->gap_known = false;
@@ -302,38 +302,39 @@ static enum stop advance_step(struct run *run, struct segment *segment)
         controller_copy(&run->controller, &controller, &run->system);
         return STOP_DIVERGED;
     }
-    bool off_grid = run->steps == segment->last, cold = !run->plan.adaptive, noticed = true;
-    enum stop refused = STOP_NONE;
+    bool off_grid = run->steps == segment->last, cold = !run->plan.adaptive, events_recorded = true;
+    enum stop row_stop = STOP_NONE;
     run->steps++;
     run->t = end;
     enum stop stop = STOP_NONE;
     if (segment->target->events > 0 || segment->target->condition)
-        noticed = events_find(run, segment, t, h);
-    if (segment->target->condition && noticed && condition_meet(run, segment, t, h, &off_grid)) {
+        events_recorded = events_find(run, segment, t, h);
+    if (segment->target->condition && events_recorded &&
+        condition_meet(run, segment, t, h, &off_grid)) {
         cold = true;
         stop = STOP_CONDITION;
-        noticed = responses_add_moment(run, p->watch->stop_event);
+        events_recorded = responses_add_moment(run, p->watch->stop_event);
     }
     if (run->trace->interval > 0)
-        refused = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);
+        row_stop = even_record(run, cold, t, stop == STOP_CONDITION ? run->t - t : h);
     if (segment->target->events > 0) {
         bool stops = false;
-        noticed = noticed && events_keep(run, segment, h, &stops);
+        events_recorded = events_recorded && events_keep(run, segment, h, &stops);
         off_grid |= stops;
         if (stops && run->trace->interval > 0)
             even_drop(run->trace, run->t);
         stop = stops ? STOP_CONDITION : stop;
     }
-    if (refused || !noticed || !trace_record(run->trace, run->steps, run->t, run->y)) {
+    if (row_stop || !events_recorded || !trace_record(run->trace, run->steps, run->t, run->y)) {
         step_take_back(run);
         controller_copy(&run->controller, &controller, &run->system);
         run->steps--;
-        run->t = was;
+        run->t = previous_t;
         event_records_truncate(run, 0);
         responses_truncate(run);
         if (run->trace->interval > 0)
-            even_drop(run->trace, was);
-        return refused ? refused : STOP_FULL;
+            even_drop(run->trace, previous_t);
+        return row_stop ? row_stop : STOP_FULL;
     }
     if (off_grid && !run->plan.adaptive) {
         trace_regrid(run->trace, (struct time_grid){

@@ -109,12 +109,12 @@ static int64_t march_within(struct run *run, struct march *march, enum step_stat
     const int n = run->system.n;
     const bool restores = !(run->method->flags & METHOD_EXTERNAL);
     const size_t size = method_work_size(run->method, n) * sizeof *p->work;
-    const struct step was = p->step;
+    const struct step saved_step = p->step;
     const struct switches_state switches = run->controller.switches;
     int64_t taken = method_turning_march(run->method, p->kernel, march, status);
     *good = rows_within(march->row, taken, n, p->bound);
     if (restores && *good + 1 < taken + (*status != STEP_OK)) {
-        p->step = was;
+        p->step = saved_step;
         run->controller.switches = switches;
         copy_state(run->y, p->previous_state, n);
         memcpy(p->work, p->work_before, size);

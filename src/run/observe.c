@@ -131,10 +131,10 @@ enum quantity observable_quantity(const struct observable *observable, const str
         [QUANTITY_LENGTH] = QUANTITY_ANGLE,
         [QUANTITY_VELOCITY] = QUANTITY_ANGULAR_FREQUENCY,
         [QUANTITY_ACCELERATION] = QUANTITY_ANGULAR_ACCELERATION};
-    enum quantity own = observable->quantity, first = system_variable(system, 0).quantity;
-    if (first == QUANTITY_NUMBER && own != QUANTITY_TIME)
+    enum quantity declared = observable->quantity, first = system_variable(system, 0).quantity;
+    if (first == QUANTITY_NUMBER && declared != QUANTITY_TIME)
         return QUANTITY_NUMBER;
-    return first == QUANTITY_ANGLE && turning[own] ? turning[own] : own;
+    return first == QUANTITY_ANGLE && turning[declared] ? turning[declared] : declared;
 }
 
 const char *observable_unit(const struct observable *observable, const struct system *system)

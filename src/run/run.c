@@ -403,7 +403,7 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
 {
     struct run_private *p = run->private_state;
     const struct system *system = &run->system;
-    const double was = run->y[i],
+    const double previous_value = run->y[i],
                  previous_energy = system->order == 2 ? system_energy(system, run->y) : 0;
     if (run->method->flags & METHOD_EXTERNAL)
         return error_set(error, ERROR_COMMAND,
@@ -419,8 +419,9 @@ bool run_kick(struct run *run, int i, double value, struct error *error)
         return error_memory(error);
     run->y[i] = value;
     run->steps++;
-    if (!responses_add_jump(run, i, was) || !trace_record(run->trace, run->steps, run->t, run->y)) {
-        run->y[i] = was;
+    if (!responses_add_jump(run, i, previous_value) ||
+        !trace_record(run->trace, run->steps, run->t, run->y)) {
+        run->y[i] = previous_value;
         run->steps--;
         responses_truncate(run);
         return error_set(error, ERROR_COMMAND, "the trace has no room for more rows");

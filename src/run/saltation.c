@@ -244,10 +244,10 @@ static void saltation_shift(const struct saltation *saltation, const struct syst
         y[i] += shift * f[i];
 }
 
-void saltation_note(struct saltation *saltation, int n, const double *own, const double *y)
+void saltation_note(struct saltation *saltation, int n, const double *run_state, const double *y)
 {
     for (int i = 0; i < n; i++)
-        saltation->reach[i] = fmax(saltation->reach[i], fabs(y[i] - own[i]));
+        saltation->reach[i] = fmax(saltation->reach[i], fabs(y[i] - run_state[i]));
 }
 
 const struct response *saltation_next_miss(const struct run *run, struct saltation *saltation,

@@ -60,9 +60,9 @@ struct saltation {
     double lost;
 };
 
-/* Enters the distance of the solution y [n] from the run's state `own` at the same time into
+/* Enters the distance of the solution y [n] from the run's state at the same time into
  * saltation->reach. */
-void saltation_note(struct saltation *saltation, int n, const double *own, const double *y);
+void saltation_note(struct saltation *saltation, int n, const double *run_state, const double *y);
 /* Returns the next response to an event that nearly happened up to the state after `step`, or NULL.
  */
 const struct response *saltation_next_miss(const struct run *run, struct saltation *saltation,

@@ -19,13 +19,13 @@ static void walk_sample_fill(struct walk *walk, int64_t step, double t, const do
     const struct run *run = walk->run;
     const struct epoch *epoch = run_epoch(run, step);
     bool scaled = walk->needs & NEED_RATIO;
-    double unit = scaled ? 1 : run->private_state->factor * run->private_state->factor;
+    double energy_unit = scaled ? 1 : run->private_state->factor * run->private_state->factor;
     struct sample *sample = &walk->sample;
     sample->t = t;
     sample->y = scaled ? walk->state : y;
     sample->system = &epoch->system;
-    sample->work = work / unit;
-    sample->dissipated = -drag / unit;
+    sample->work = work / energy_unit;
+    sample->dissipated = -drag / energy_unit;
     if (!(walk->needs & NEED_EXACT))
         return;
     if (walk->table)

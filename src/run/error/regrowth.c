@@ -173,12 +173,12 @@ static void solutions_displace(struct regrowth *r)
 }
 
 /* Multiplies the distance by a factor, along its direction, and moves both so that the base is at
- * `own`. */
-static void rescale_displacement(struct regrowth *r, const double *own, double factor)
+ * new_base. */
+static void rescale_displacement(struct regrowth *r, const double *new_base, double factor)
 {
     for (int i = 0; i < r->run->system.n; i++) {
-        r->displaced.y[i] = own[i] + factor * (r->displaced.y[i] - r->base.y[i]);
-        r->base.y[i] = own[i];
+        r->displaced.y[i] = new_base[i] + factor * (r->displaced.y[i] - r->base.y[i]);
+        r->base.y[i] = new_base[i];
     }
 }
 
@@ -292,25 +292,25 @@ static void growth_add(struct growth *growth, double t, double change, double to
     growth->error = growth->log > 0 ? tol * fixed_exp(growth->log) : 0;
 }
 
-/* Returns true if the run's state `own` has grown as the base has, in the variables in which errors
+/* Returns true if the run has grown as the base has, in the variables in which errors
  * grow: then the regrowth is real. Values that two methods have lost grow differently, from errors
  * of their own. */
-static bool run_agrees(const struct regrowth *r, const double *own)
+static bool run_agrees(const struct regrowth *r, const double *run_state)
 {
-    double apart = 0, grown = 0;
+    double run_distance = 0, grown = 0;
     for (int i = 0; i < r->run->system.n && !r->follows_jumps; i++) {
         const double difference = fabs(r->displaced.y[i] - r->base.y[i]) / r->size[i];
         if (!r->resting[i] || difference < GROWTH_AGREEMENT * r->previous_distance)
             continue;
-        apart = fmax(apart, fabs(own[i] - r->base.y[i]) / r->size[i]);
-        grown = fmax(grown, (fabs(own[i] - r->rest[i]) - r->rest_width[i]) / r->size[i]);
+        run_distance = fmax(run_distance, fabs(run_state[i] - r->base.y[i]) / r->size[i]);
+        grown = fmax(grown, (fabs(run_state[i] - r->rest[i]) - r->rest_width[i]) / r->size[i]);
     }
-    return apart < GROWTH_AGREEMENT * grown;
+    return run_distance < GROWTH_AGREEMENT * grown;
 }
 
-/* Adds the growth of the distance up to t. Then continues both from `own` (the base itself, or the
- * run's state), with their distance scaled back if it has become large. */
-static void solutions_compare(struct regrowth *r, struct growth *growth, const double *own,
+/* Adds the growth of the distance up to t. Then continues both from new_base (the base itself, or
+ * the run's state), with their distance scaled back if it has become large. */
+static void solutions_compare(struct regrowth *r, struct growth *growth, const double *new_base,
                               double t)
 {
     double now = 0, factor = 1;
@@ -325,7 +325,7 @@ static void solutions_compare(struct regrowth *r, struct growth *growth, const d
     }
     if (now > DISPLACEMENT_GROWTH_MAX * r->displacement)
         factor = r->displacement / now;
-    rescale_displacement(r, own, factor);
+    rescale_displacement(r, new_base, factor);
     if (growth->log <= 0 || now == 0)
         solutions_displace(r);
     r->previous_distance = solutions_distance(r);

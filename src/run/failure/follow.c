@@ -102,16 +102,17 @@ static void solution_pursue(const struct system *system, double t, const double 
     struct step step = {.system = system, .y = followed->y, .work = work, .t = t};
     struct controller controller = {.tol = pursuit->tol};
     struct shrinking shrinking = {.count = 0};
-    bool moves = work, stopped = !work;
+    bool progresses = work, stopped = !work;
     copy_state(followed->y, y, system->n);
-    for (int64_t steps = 0; moves && step.t != end && !is_large(system, followed->y); steps++) {
+    for (int64_t steps = 0; progresses && step.t != end && !is_large(system, followed->y);
+         steps++) {
         if ((stopped = steps == pursuit->steps_max || cancelled(cancel)))
             break;
         const double previous_t = step.t;
         double previous_y[LIMIT_VARIABLES];
         copy_state(previous_y, followed->y, system->n);
-        moves = method_adapt(method, &step, &controller, end) == STEP_OK &&
-                fabs(step.t - previous_t) >= pursuit->creep * fabs(step.t - t);
+        progresses = method_adapt(method, &step, &controller, end) == STEP_OK &&
+                     fabs(step.t - previous_t) >= pursuit->creep * fabs(step.t - t);
         if (step.t != previous_t)
             shrinking_add(&shrinking, fabs(step.t - previous_t), system, previous_t, previous_y);
     }
@@ -122,7 +123,7 @@ static void solution_pursue(const struct system *system, double t, const double 
     followed->fate = SOLUTION_UNKNOWN;
     if (stopped)
         return;
-    if (!moves)
+    if (!progresses)
         followed->fate = power > power_min ? SOLUTION_ENDS : SOLUTION_UNKNOWN;
     else
         followed->fate = step.t == end ? SOLUTION_GOES_ON : SOLUTION_GROWS;

@@ -171,9 +171,9 @@ static void sliding_solve(int count, double (*matrix)[LIMIT_SLIDING], const doub
 {
     double q[LIMIT_SLIDING][LIMIT_SLIDING];
     for (int i = 0; i < count; i++) {
-        double whole = 0, own = 0, miss = right[i];
+        double row_square = 0, left_square = 0, residual = right[i];
         for (int k = 0; k < count; k++)
-            whole += matrix[i][k] * matrix[i][k];
+            row_square += matrix[i][k] * matrix[i][k];
         memcpy(q[i], matrix[i], sizeof q[i]);
         for (int j = 0; j < i; j++) {
             double projection = 0;
@@ -183,13 +183,13 @@ static void sliding_solve(int count, double (*matrix)[LIMIT_SLIDING], const doub
                 q[i][k] -= projection * q[j][k];
         }
         for (int k = 0; k < count; k++) {
-            own += q[i][k] * q[i][k];
-            miss -= matrix[i][k] * x[k];
+            left_square += q[i][k] * q[i][k];
+            residual -= matrix[i][k] * x[k];
         }
-        const bool fresh = own > ROW_INDEPENDENCE_MIN * whole;
+        const bool is_independent = left_square > ROW_INDEPENDENCE_MIN * row_square;
         for (int k = 0; k < count; k++) {
-            x[k] += fresh ? miss / own * q[i][k] : 0;
-            q[i][k] = fresh ? q[i][k] / sqrt(own) : 0;
+            x[k] += is_independent ? residual / left_square * q[i][k] : 0;
+            q[i][k] = is_independent ? q[i][k] / sqrt(left_square) : 0;
         }
     }
 }

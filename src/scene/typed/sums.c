@@ -194,7 +194,7 @@ static bool group_put(const struct sorting *s, size_t index, const struct wrap *
 {
     static const struct op plus = {.kind = OP_ADD};
     const struct typed_sort *sort = s->sort;
-    const struct expr own = operand_expr(s, index), *made = &own;
+    const struct expr summand = operand_expr(s, index), *made = &summand;
     for (; made && wrap; wrap = wrap->outer)
         made = wrap->other_is_left
                    ? typed_join(sort->arena, wrap->other, made, wrap->op, sort->error)

@@ -428,26 +428,26 @@ static const struct param_row *param_row(const struct model *model, size_t i)
 /* Gives the scene the new model, with the values of parameters that both have. */
 void scene_remodel(struct scene *scene, const struct model *model)
 {
-    const struct scene was = *scene;
+    const struct scene old_scene = *scene;
     scene->model = model;
     if (typed_preset(model))
         scene->preset = typed_preset(model);
     for (size_t i = 0; i < model->params->count; i++) {
         const struct param_row *row = param_row(model, i);
-        const int index = scene_param(&was, row->row.name);
+        const int index = scene_param(&old_scene, row->row.name);
         scene->value[i] = row->initial;
         scene->uncertainty[i] = 0;
         scene->chosen[i] = false;
-        if (index < 0 || param_row(was.model, (size_t)index)->initial != row->initial)
+        if (index < 0 || param_row(old_scene.model, (size_t)index)->initial != row->initial)
             continue;
-        scene->value[i] = was.value[index];
-        scene->uncertainty[i] = was.uncertainty[index];
-        scene->chosen[i] = was.chosen[index];
+        scene->value[i] = old_scene.value[index];
+        scene->uncertainty[i] = old_scene.uncertainty[index];
+        scene->chosen[i] = old_scene.chosen[index];
     }
     for (int i = 0; i < LIMIT_VARIABLES; i++) {
         const int index =
-            i < model->n ? model_state(was.model, text_of(model->variable[i].name)) : -1;
-        scene->atol[i] = index < 0 ? 0 : was.atol[index];
+            i < model->n ? model_state(old_scene.model, text_of(model->variable[i].name)) : -1;
+        scene->atol[i] = index < 0 ? 0 : old_scene.atol[index];
     }
 }
 
