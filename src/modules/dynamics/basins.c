@@ -140,9 +140,9 @@ static void put_basins(struct buffer *output, const struct map *map)
     buffer_format(output, "checked every %s", SHOWN_QUANTITY(b->strobe, QUANTITY_TIME, 6));
     if (b->steps > 0)
         buffer_format(output, " by %d steps of rk4, %lld evaluations", b->steps,
-                      4 * b->steps * (long long)b->looks);
+                      4 * b->steps * (long long)b->checks);
     else
-        buffer_format(output, ", %lld checks", (long long)b->looks);
+        buffer_format(output, ", %lld checks", (long long)b->checks);
     buffer_format(output, map->timed ? ", %d thread%s, %.3g s" : ", %d thread%s", b->threads,
                   plural_s(b->threads), b->seconds);
 }

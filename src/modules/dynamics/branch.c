@@ -184,7 +184,7 @@ static const struct item *number_item(const struct branch_words *words, struct i
 
 /* Finds the periodic response to the drive that the motion settles on. Returns false with
  * *error. */
-static bool find_response(struct session *session, struct kept_reference *found,
+static bool find_response(struct session *session, struct stored_solution *found,
                           struct error *error)
 {
     struct orbit_request request = {.scene = &session->setup.scene,
@@ -211,7 +211,7 @@ static bool find_response(struct session *session, struct kept_reference *found,
 }
 
 /* Takes the first stored equilibrium. Returns false with *error and a hint if there is none. */
-static bool find_first_equilibrium(struct session *session, struct kept_reference *found,
+static bool find_first_equilibrium(struct session *session, struct stored_solution *found,
                                    struct error *error)
 {
     const struct dynamics *d = session_dynamics(session);
@@ -226,7 +226,7 @@ static bool find_first_equilibrium(struct session *session, struct kept_referenc
  * Without "of" or "from" it is the first equilibrium, else the last orbit. Returns false with
  * *error. */
 static bool find_start(struct session *session, const struct branch_words *words,
-                       struct kept_reference *found, char *origin, struct error *error)
+                       struct stored_solution *found, char *origin, struct error *error)
 {
     const struct dynamics *d = session_dynamics(session);
     struct item item;
@@ -256,7 +256,7 @@ static bool find_start(struct session *session, const struct branch_words *words
 
 /* Binds the scene at the stored solution: the scene's own start may lie where it has no
  * derivatives, and is not needed. */
-static bool bind_start(struct kept_reference *start, struct error *error)
+static bool bind_start(struct stored_solution *start, struct error *error)
 {
     struct system system;
     double box[LIMIT_VARIABLES][2];
@@ -279,7 +279,7 @@ static double longest_step(const struct branch *branch)
 }
 
 /* Appends the answer: extent and ends of the branch, its special points, effort. */
-static void put_branch(const struct session *session, const struct kept_branch *b,
+static void put_branch(const struct session *session, const struct stored_branch *b,
                        struct arena *arena, struct buffer *output)
 {
     const struct branch *branch = &b->branch;
@@ -314,7 +314,7 @@ static void put_branch(const struct session *session, const struct kept_branch *
 }
 
 /* Adds the columns stability and label to the table of a branch. */
-static void add_stability_and_labels(struct table_builder *table, const struct kept_branch *b)
+static void add_stability_and_labels(struct table_builder *table, const struct stored_branch *b)
 {
     const char **stable = table_add_texts(table, "stability"),
                **label = table_add_texts(table, "label");
@@ -323,16 +323,16 @@ static void add_stability_and_labels(struct table_builder *table, const struct k
         label[i] = "";
     }
     for (int k = 0; !table->failed && k < b->specials; k++) {
-        char own[KEPT_LABEL];
-        kept_point_label(&b->special[k], own);
-        const char *copy = arena_text(&table->arena, text_of(own));
+        char text[POINT_LABEL_SIZE];
+        stored_point_label(&b->special[k], text);
+        const char *copy = arena_text(&table->arena, text_of(text));
         label[b->special[k].index] = copy ? copy : "";
     }
 }
 
 /* Stores the branch as a table with a row for each point: parameters, extrema of the states,
  * period, stability, label. */
-static void store_branch_table(const struct session *session, const struct kept_branch *b,
+static void store_branch_table(const struct session *session, const struct stored_branch *b,
                                struct reply *reply)
 {
     const struct scene *scene = &session->setup.scene;
@@ -366,7 +366,7 @@ static void store_branch_table(const struct session *session, const struct kept_
 }
 
 /* Adds the records of the special points and of the branch. */
-static void reply_branch(const struct session *session, const struct kept_branch *b,
+static void reply_branch(const struct session *session, const struct stored_branch *b,
                          struct reply *reply)
 {
     reply_points(session, b, reply);
@@ -388,8 +388,8 @@ static void reply_branch(const struct session *session, const struct kept_branch
 HANDLER(branch)
 {
     struct branch_words words = {.params = 0};
-    struct kept_reference start = {.scene = session->setup.scene};
-    struct kept_branch like = {.params = 1};
+    struct stored_solution start = {.scene = session->setup.scene};
+    struct stored_branch like = {.params = 1};
     if (!read_branch_words(session, args, &words, error) ||
         !find_start(session, &words, &start, like.origin, error) || !bind_start(&start, error))
         return false;
@@ -407,7 +407,7 @@ HANDLER(branch)
                          param_at(&start.scene, words.param[0])->row.name, solution.param[0]);
     struct branch_point point = {.special = SPECIAL_NONE};
     if (start.point) {
-        point = *kept_point_at(start.branch, start.point);
+        point = *stored_point_at(start.branch, start.point);
         point.solution = solution;
     }
     /* an end is a place on its branch like any other */
@@ -439,16 +439,16 @@ HANDLER(branch)
         like.high[j] = words.high[j];
     }
     like.params = words.params;
-    const struct kept_branch *kept =
-        like.branch.count > 0 ? dynamics_keep_branch(session, &like, start.scene.value, error)
+    const struct stored_branch *stored =
+        like.branch.count > 0 ? dynamics_store_branch(session, &like, start.scene.value, error)
                               : NULL;
-    if (!kept)
+    if (!stored)
         return error->text[0] ? false : error_set(error, ERROR_CANCELLED, "cancelled");
-    put_branch(session, kept, args->arena, reply_buffer(reply));
+    put_branch(session, stored, args->arena, reply_buffer(reply));
     reply_own_solver(
-        session, kept->branch.kind == SOLUTION_EQUILIBRIUM ? NEWTON_SOLVER : FLOW_SOLVER, reply);
-    reply_branch(session, kept, reply);
-    store_branch_table(session, kept, reply);
+        session, stored->branch.kind == SOLUTION_EQUILIBRIUM ? NEWTON_SOLVER : FLOW_SOLVER, reply);
+    reply_branch(session, stored, reply);
+    store_branch_table(session, stored, reply);
     return !stopped ||
            error_set(error, ERROR_CANCELLED, "cancelled; the points found so far are kept");
 }

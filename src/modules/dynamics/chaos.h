@@ -92,8 +92,8 @@ struct basins {
     signed char *fate;
     double strobe; /* [s] time between two checks of a motion */
     int steps; /* number of steps between two checks, or 0 if steps are adaptive, one start each */
-    int64_t looks; /* number of checks of all starts together */
-    int threads;   /* number of threads that were used */
+    int64_t checks; /* number of checks of all starts together */
+    int threads;    /* number of threads that were used */
     double seconds;
     bool cancelled;
 };

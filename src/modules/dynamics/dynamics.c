@@ -27,9 +27,9 @@ static void complete_labels(struct completion *c)
     const struct dynamics *d = session_dynamics(c->session);
     for (int b = 0; d && b < d->branches; b++)
         for (int k = 0; k < d->branch[b]->specials; k++) {
-            const struct kept_point *point = &d->branch[b]->special[k];
-            char label[KEPT_LABEL];
-            kept_point_label(point, label);
+            const struct stored_point *point = &d->branch[b]->special[k];
+            char label[POINT_LABEL_SIZE];
+            stored_point_label(point, label);
             complete_offer(c, label,
                            catalog_row(&special_catalog, (size_t)point->special - 1)->brief);
         }
@@ -63,6 +63,6 @@ const struct module dynamics_module = {
             .forget = dynamics_forget,
             .read = dynamics_read,
         },
-    .labels = {.is_label = is_label, .complete = complete_labels, .use = use_kept},
+    .labels = {.is_label = is_label, .complete = complete_labels, .use = use_stored_solution},
     .attractor = attractor_of,
 };

@@ -74,13 +74,13 @@ static int distinguishing_digits(const struct equilibria *found, int n)
 {
     int digits = 7;
     for (int k = 1; k < found->count; k++) {
-        double apart = 0;
+        double difference = 0;
         for (int i = 0; i < n; i++) {
             const double a = found->solution[k - 1].state[i], b = found->solution[k].state[i];
-            apart = fmax(apart, fabs(b - a) / fmax(fmax(fabs(a), fabs(b)), DBL_MIN));
+            difference = fmax(difference, fabs(b - a) / fmax(fmax(fabs(a), fabs(b)), DBL_MIN));
         }
-        if (apart > 0)
-            digits = (int)fmax(digits, fmin(2 - floor(log10(apart)), 17));
+        if (difference > 0)
+            digits = (int)fmax(digits, fmin(2 - floor(log10(difference)), 17));
     }
     return digits;
 }
@@ -306,9 +306,9 @@ HANDLER(equilibria)
     }
     reply_own_solver(session, NEWTON_SOLVER, reply);
     reply_equilibria(&system, &found, full, reply);
-    const bool kept = dynamics_keep_equilibria(session, &found, error);
+    const bool is_stored = dynamics_store_equilibria(session, &found, error);
     equilibria_free(&found);
-    return kept;
+    return is_stored;
 }
 #endif
 

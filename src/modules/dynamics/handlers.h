@@ -3,7 +3,7 @@
  * results. */
 #pragma once
 
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 #include <hooke/command/handler.h>
 
 /* Writes the table of equilibria for people (equilibria.c). */
@@ -62,22 +62,22 @@ const char *shown_range(struct value_text *text, double begin, double end, enum 
 void reply_stable(struct reply *reply, const struct solution *s, bool family);
 /* Adds the eigenvalues or multipliers as an array of pairs (real, imaginary). */
 void reply_values(struct reply *reply, const char *key, const struct solution *solution);
-/* Lists equilibria, orbits, branches, points (kept.c). Returns false if out of memory. */
+/* Lists equilibria, orbits, branches, points (dynamics_lists.c). Returns false if out of memory. */
 bool dynamics_list_equilibria(struct session *session, struct arena *arena, struct reply *reply);
 bool dynamics_list_orbits(struct session *session, struct arena *arena, struct reply *reply);
 bool dynamics_list_branches(struct session *session, struct arena *arena, struct reply *reply);
 bool dynamics_list_points(struct session *session, struct arena *arena, struct reply *reply);
 /* Appends a table of the special points of `count` branches. */
-void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
+void put_points(const struct session *session, const struct stored_branch *const *branch, int count,
                 struct arena *arena, struct buffer *output);
 /* Adds a record for each special point of a branch. */
-void reply_points(const struct session *session, const struct kept_branch *branch,
+void reply_points(const struct session *session, const struct stored_branch *branch,
                   struct reply *reply);
 /* A stored solution that was named by a number or a label, with the scene in which it was found. */
-struct kept_reference {
-    const struct kept_orbit *orbit;
-    const struct kept_branch *branch; /* set with `point` if a label was given */
-    const struct kept_point *point;
+struct stored_solution {
+    const struct stored_orbit *orbit;
+    const struct stored_branch *branch; /* set with `point` if a label was given */
+    const struct stored_point *point;
     struct solution solution;
     struct scene scene; /* scene with the parameters of the solution */
 };
@@ -85,11 +85,12 @@ struct kept_reference {
  * orbit), or a special point by its label. Returns false with *error and a hint if there is
  * none. */
 bool find_equilibrium(const struct session *session, const struct dynamics *dynamics,
-                      const struct item *number, struct kept_reference *found, struct error *error);
+                      const struct item *number, struct stored_solution *found,
+                      struct error *error);
 bool find_orbit(const struct session *session, const struct dynamics *dynamics,
-                const struct item *number, struct kept_reference *found, struct error *error);
+                const struct item *number, struct stored_solution *found, struct error *error);
 bool find_label(const struct session *session, const struct dynamics *dynamics, struct text label,
-                struct kept_reference *found, struct error *error);
+                struct stored_solution *found, struct error *error);
 /* Sets state, t and span of the request: the end of the current run if that has the scene's model
  * and did not fail, else the scene's start. Returns in words which of the two (orbit.c). */
 const char *orbit_begin(const struct session *session, const struct system *system,
@@ -103,7 +104,7 @@ void reply_own_solver(const struct session *session, const char *solver, struct 
 void put_seconds(struct buffer *output, const struct session *session, double seconds);
 /* Handler of `use` for labels, orbits and equilibria: takes their parameters and state into the
  * scene. */
-bool use_kept(HANDLER_PARAMETERS);
+bool use_stored_solution(HANDLER_PARAMETERS);
 
 /* Finds and replies the largest Lyapunov exponent of the run or recording that the arguments name
  * (lyapunov_series.c). Returns false with *error. */

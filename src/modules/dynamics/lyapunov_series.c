@@ -35,7 +35,7 @@ static void put_exponent(struct buffer *output, const char *name, const struct s
                       "apart in time than %s",
                       f->dimensions, plural_s(f->dimensions),
                       SHOWN_QUANTITY(f->delay, QUANTITY_TIME, 3),
-                      SHOWN_QUANTITY(f->apart, QUANTITY_TIME, 3));
+                      SHOWN_QUANTITY(f->theiler_window, QUANTITY_TIME, 3));
 }
 
 /* Adds the record `lyapunov`, with the keys that exponents of a scene have and those of the

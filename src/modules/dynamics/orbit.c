@@ -204,11 +204,11 @@ HANDLER(orbit)
         orbit_free(&found);
         return false;
     }
-    const struct kept_orbit *kept =
-        dynamics_keep_orbit(session, &found.solution, found.samples, found.sample, error);
-    if (kept) {
+    const struct stored_orbit *stored =
+        dynamics_store_orbit(session, &found.solution, found.samples, found.sample, error);
+    if (stored) {
         struct buffer *text = reply_buffer(reply);
-        put_orbit(text, &system, kept->number, &found);
+        put_orbit(text, &system, stored->number, &found);
         put_seconds(text, session, found.seconds);
         if (found.family_from > 0)
             buffer_format(text, ",\n  along its family from T = %s",
@@ -216,11 +216,11 @@ HANDLER(orbit)
         else
             put_search_start(text, &found, request.settles ? source : "the guess");
         reply_own_solver(session, FLOW_SOLVER, reply);
-        reply_orbit(&system, kept->number, &found, reply);
+        reply_orbit(&system, stored->number, &found, reply);
         store_samples(&system, &found, reply);
     }
     orbit_free(&found);
-    return kept != NULL;
+    return stored != NULL;
 }
 #endif
 

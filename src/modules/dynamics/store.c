@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Writes the stored results to a session's file and reads them. The equilibria, each orbit and each
  * branch are a record that is written once; the head lists which of them exist. */
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 #include <hooke/session/read.h>
 
 #include <stdlib.h>
@@ -55,7 +55,7 @@ static void put_array(struct buffer *buffer, const char *name, const void *array
 }
 
 /* Appends the fields of a branch. */
-static void put_branch(const struct kept_branch *b, struct buffer *buffer)
+static void put_branch(const struct stored_branch *b, struct buffer *buffer)
 {
     field_put(buffer, "number", &b->number, sizeof b->number);
     field_put(buffer, "varies", &b->params, sizeof b->params);
@@ -81,7 +81,7 @@ static void put_branch(const struct kept_branch *b, struct buffer *buffer)
 static void put_result(const struct dynamics *d, int i, struct buffer *buffer)
 {
     const uint64_t id = result_id(d, i);
-    const struct kept_equilibria *rests = &d->equilibria;
+    const struct stored_equilibria *rests = &d->equilibria;
     const char *kind = "equilibria";
     const double *value = rests->value;
     i -= rests->id != 0;
@@ -130,15 +130,15 @@ bool dynamics_put_next(const void *part, struct stored *stored, int *next)
 void dynamics_forget(const void *part, struct stored *stored)
 {
     const struct dynamics *d = ((const struct dynamics_part *)part)->found;
-    int kept = 0;
+    int remaining = 0;
     for (int k = 0; k < stored->found; k++) {
         bool there = false;
         for (int i = 0; d && i < result_count(d) && !there; i++)
             there = result_id(d, i) == stored->found_id[k];
-        stored->found_id[kept] = stored->found_id[k];
-        kept += there;
+        stored->found_id[remaining] = stored->found_id[k];
+        remaining += there;
     }
-    stored->found = kept;
+    stored->found = remaining;
 }
 
 /* ---- reading ---- */
@@ -175,7 +175,7 @@ static bool is_number_sound(int number)
 /* Reads the equilibria. On success *d owns `value`. Returns false if the record is damaged. */
 static bool get_equilibria(struct dynamics *d, struct text text, uint64_t id, double *value)
 {
-    struct kept_equilibria *rests = &d->equilibria;
+    struct stored_equilibria *rests = &d->equilibria;
     int count = -1;
     struct solution *solution = get_array(text, "of", &count, sizeof *solution);
     struct equilibrium_form *form = solution ? get_array(text, "form", &count, sizeof *form) : NULL;
@@ -187,10 +187,10 @@ static bool get_equilibria(struct dynamics *d, struct text text, uint64_t id, do
         free(form);
         return false;
     }
-    *rests = (struct kept_equilibria){
+    *rests = (struct stored_equilibria){
         .id = id, .value = value, .count = count, .solution = solution, .form = form};
-    const struct field flags[] = {FIELD_OF(struct kept_equilibria, forced),
-                                  FIELD_OF(struct kept_equilibria, complete)};
+    const struct field flags[] = {FIELD_OF(struct stored_equilibria, forced),
+                                  FIELD_OF(struct stored_equilibria, complete)};
     for (size_t i = 0; i < COUNT_OF(flags); i++)
         fields_get(text, &flags[i], 1, rests);
     return true;
@@ -199,7 +199,7 @@ static bool get_equilibria(struct dynamics *d, struct text text, uint64_t id, do
 /* Reads an orbit. On success *d owns `value`. Returns false if the record is damaged. */
 static bool get_orbit(struct dynamics *d, struct text text, uint64_t id, double *value)
 {
-    struct kept_orbit orbit = {.id = id, .value = value};
+    struct stored_orbit orbit = {.id = id, .value = value};
     int numbers = -1;
     orbit.sample = get_array(text, "sample", &numbers, sizeof *orbit.sample);
     if (!orbit.sample || numbers % (d->n + 1) != 0 || d->orbits == LIMIT_ORBITS ||
@@ -215,7 +215,7 @@ static bool get_orbit(struct dynamics *d, struct text text, uint64_t id, double 
 }
 
 /* Returns true if a branch that was read has possible values and indices. */
-static bool is_branch_sound(const struct dynamics *d, const struct kept_branch *b)
+static bool is_branch_sound(const struct dynamics *d, const struct stored_branch *b)
 {
     const struct field flags[] = {FIELD_OF(struct branch, closed),
                                   FIELD_OF(struct branch, cancelled)};
@@ -239,7 +239,7 @@ static bool is_branch_sound(const struct dynamics *d, const struct kept_branch *
 static bool get_branch(const struct reader *reader, struct dynamics *d, struct text text,
                        uint64_t id, double *value)
 {
-    struct kept_branch *b = calloc(1, sizeof *b);
+    struct stored_branch *b = calloc(1, sizeof *b);
     struct text origin, end[2];
     if (!b)
         return false;
@@ -356,11 +356,11 @@ void dynamics_read(struct reader *reader)
         bool ok = false;
         memcpy(&id, ids.data, sizeof id);
         for (size_t i = 0; i < reader->records && !ok; i++) {
-            uint64_t own;
+            uint64_t record_id;
             const struct read_record *record = &reader->record[i];
             ok = record->kind == RECORD_FOUND &&
-                 field_get(record->content, "id", &own, sizeof own) && own == id &&
-                 get_result(reader, d, record->content, id);
+                 field_get(record->content, "id", &record_id, sizeof record_id) &&
+                 record_id == id && get_result(reader, d, record->content, id);
         }
         lost += !ok;
     }

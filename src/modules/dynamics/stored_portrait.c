@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The cache of the phase portrait: panes draw the stored one until the scene or the plane has
  * changed. */
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 
 #include <string.h>
 

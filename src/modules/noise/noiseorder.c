@@ -90,7 +90,7 @@ static void reply_orders(const struct noise_setup *setup, const struct orders_re
     struct text_table table = {.arena = arena, .gap = 3};
     /* columns of the first table of each method */
     struct result_columns first = noiseorder_columns;
-    struct arena kept = {0};
+    struct arena table_arena = {0};
     struct table file;
     bool unknown = false;
     if (!row)
@@ -116,8 +116,8 @@ static void reply_orders(const struct noise_setup *setup, const struct orders_re
         reply_line(reply, "not known: chance or rounding hides the differences, or their sign "
                           "changes; use more paths=N, or another dt");
     reply_records(reply, "noiseorder", &noiseorder_columns, row, rows);
-    if (columns_table(&noiseorder_columns, row, rows, &kept, &file))
-        noise_keep_table(setup, 0, "noiseorder", NULL, &kept, &file, reply);
+    if (columns_table(&noiseorder_columns, row, rows, &table_arena, &file))
+        noise_keep_table(setup, 0, "noiseorder", NULL, &table_arena, &file, reply);
 }
 
 /* Reads the numbers of paths and levels. Returns false with *error if they are out of range. */

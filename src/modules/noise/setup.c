@@ -156,10 +156,10 @@ static void add_of_variable(struct keys *keys, const char *name,
 {
     struct buffer key = {0};
     buffer_format(&key, "%s_%s", name, system_variable(&forcing->system, forcing->first + i).name);
-    const char *kept = arena_text(arena, buffer_text(&key));
+    const char *full_name = arena_text(arena, buffer_text(&key));
     buffer_free(&key);
-    if (kept)
-        add_quantity(keys, kept, value, quantity);
+    if (full_name)
+        add_quantity(keys, full_name, value, quantity);
 }
 
 /* Stores the table with the keys from which it can be made again. */

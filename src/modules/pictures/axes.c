@@ -83,14 +83,15 @@ static void draw_minor_ticks(struct page *page, bool vertical)
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
     const bool decades = vertical ? page->layout.y_decades : page->layout.x_decades;
     const double low = vertical ? page->top : page->left;
-    const double high = vertical ? page->bottom : page->right, apart = 1.5 * page->style.minor_tick;
+    const double high = vertical ? page->bottom : page->right,
+                 min_gap = 1.5 * page->style.minor_tick;
     /* number of parts into which minor ticks divide the step between two labels */
     int parts = tick_parts(ticks);
     if (decades)
         parts = ticks->step > 1 ? (int)ticks->step : 9;
     const double length = fabs(page_tick(page, vertical, tick_value(ticks, 1, decades)) -
                                page_tick(page, vertical, tick_value(ticks, 0, decades)));
-    if (ticks->count < 2 || length < apart * parts * (decades && ticks->step == 1 ? 2 : 1))
+    if (ticks->count < 2 || length < min_gap * parts * (decades && ticks->step == 1 ? 2 : 1))
         return;
     for (int i = -1; i < ticks->count; i++) {
         for (int part = 1; part < parts; part++) {
@@ -253,13 +254,13 @@ static bool labels_apart(const struct page *page, bool vertical)
 {
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;
     const bool decades = vertical ? page->layout.y_decades : page->layout.x_decades;
-    const double apart = (vertical ? 1.1 : 0.6) * page->style.font;
+    const double min_gap = (vertical ? 1.1 : 0.6) * page->style.font;
     double end = -INFINITY;
     for (int i = 0; i < ticks->count && (vertical || page->x_labels); i++) {
         const double place = page_tick(page, vertical, tick_value(ticks, i, decades)),
                      width = vertical ? 0 : page_text_width(page, tick_label(page, vertical, i));
         const double position = vertical ? -place : x_label_middle(page, place, width) - width / 2;
-        if (position < end + apart)
+        if (position < end + min_gap)
             return false;
         end = position + width;
     }
@@ -310,9 +311,9 @@ void page_lay_out(struct page *page)
         figure.aspect = height / width * (page->layout.columns - 1.0 / grid.dots_horizontal) /
                         (page->layout.rows - 1.0 / grid.dots_vertical);
         layout_scales(&figure, &page->layout, x, y);
-        const bool apart = labels_apart(page, false) && labels_apart(page, true);
-        fits = widest_label(page) <= gutter && (apart || density < 0.02);
-        density *= apart ? 1 : 0.8;
+        const bool are_apart = labels_apart(page, false) && labels_apart(page, true);
+        fits = widest_label(page) <= gutter && (are_apart || density < 0.02);
+        density *= are_apart ? 1 : 0.8;
     } while (!fits);
     page->gutter = gutter;
 }

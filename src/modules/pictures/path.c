@@ -140,7 +140,7 @@ struct tracer {
     double column;               /* number of the column of the last samples */
     struct spot low, high, last; /* extremes and last of the samples in the column */
     double x, y;                 /* the last point that was passed on */
-    bool whole;                  /* the pen is at that point, which was not clipped */
+    bool pen_there;              /* the pen is at that point, which was not clipped */
 };
 
 /* Draws the part of a line to (x, y) that is within the margin around the plot. Lifts the pen where
@@ -157,7 +157,7 @@ static void tracer_draw_line(struct tracer *tracer, double x, double y)
     tracer->x = x;
     tracer->y = y;
     if (begin > end) {
-        tracer->whole = false;
+        tracer->pen_there = false;
         return;
     }
     double x1 = end < 1 ? x0 + end * (x - x0) : x;
@@ -165,10 +165,10 @@ static void tracer_draw_line(struct tracer *tracer, double x, double y)
     x0 += begin * (x - x0);
     y0 += begin * (y - y0);
     /* Rounding of a line that is clipped far away exceeds the margin. */
-    if (!tracer->whole || begin > 0)
+    if (!tracer->pen_there || begin > 0)
         thinning_start(&tracer->thinning, fmin(fmax(x0, left), right), fmin(fmax(y0, top), bottom));
     thinning_draw_to(&tracer->thinning, fmin(fmax(x1, left), right), fmin(fmax(y1, top), bottom));
-    tracer->whole = !(end < 1);
+    tracer->pen_there = !(end < 1);
 }
 
 /* Draws a line to a sample unless that is where the last line ended. */
@@ -197,7 +197,7 @@ static void tracer_pen_lift(struct tracer *tracer)
         tracer_draw_line(tracer, tracer->x, tracer->y);
     thinning_finish(&tracer->thinning);
     tracer->samples = 0;
-    tracer->whole = false;
+    tracer->pen_there = false;
 }
 
 /* Passes the curve as lines to put(), thinned within `tolerance` [pt] and reduced to a few samples

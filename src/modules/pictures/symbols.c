@@ -85,10 +85,10 @@ static size_t put_arithmetic(struct buffer *output, struct text text, size_t i)
 {
     const struct text rest = text_after(text, i);
     const char previous = i ? text.data[i - 1] : ' ';
-    const bool apart = strchr(" ([,;:/=", previous) != NULL; /* a sign, not a hyphen */
+    const bool is_separated = strchr(" ([,;:/=", previous) != NULL; /* a sign, not a hyphen */
     if (is_digit_char(rest.data[0]) && !is_symbol_letter(previous))
         return symbol_number_put(output, rest);
-    if (rest.data[0] == '-' && apart &&
+    if (rest.data[0] == '-' && is_separated &&
         (rest.len > 1 && (is_digit_char(rest.data[1]) || rest.data[1] == ' '))) {
         buffer_codepoint(output, CHAR_MINUS);
         return 1;

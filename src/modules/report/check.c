@@ -86,10 +86,10 @@ static bool has_line(struct text text, struct text wanted)
 /* Reports lines of a document that contain digits and are missing in the one that was handed in.
  * Numbers, figures and commands must be unchanged; answers, headings and words may differ. */
 static void compare_lines(struct check *check, const char *file, struct text handed,
-                          struct text again)
+                          struct text repeated)
 {
     struct text line;
-    while (again.len > 0 && text_split(&again, '\n', &line)) {
+    while (repeated.len > 0 && text_split(&repeated, '\n', &line)) {
         line = text_trim(line);
         bool digit = false;
         for (size_t i = 0; i < line.len; i++)
@@ -150,9 +150,9 @@ static bool is_handed(const struct check *check, const char *name)
     return found;
 }
 
-/* Compares one file that the session gives (`again`) with that of the folder, and counts
+/* Compares one file that the session gives (`repeated`) with that of the folder, and counts
  * differences by kind. It is report->put of the repeated report; always returns true. */
-static bool compare_file(void *context, const char *name, struct text again, struct error *error)
+static bool compare_file(void *context, const char *name, struct text repeated, struct error *error)
 {
     struct check *check = context;
     struct buffer handed = {0};
@@ -168,17 +168,17 @@ static bool compare_file(void *context, const char *name, struct text again, str
     const int differences = check->differences;
     check->files++;
     check->figures += figure && !ends_in(name, ".txt");
-    if (copy && !text_equal(buffer_text(&handed), again))
+    if (copy && !text_equal(buffer_text(&handed), repeated))
         check_differs(check, name, "the session loads a different file", TEXT(""));
     else if (copy)
         ; /* the same bytes */
     else if (strcmp(name, "values.csv") == 0)
-        check_values(check, buffer_text(&handed), again);
+        check_values(check, buffer_text(&handed), repeated);
     else if (prose)
-        compare_lines(check, name, buffer_text(&handed), again);
+        compare_lines(check, name, buffer_text(&handed), repeated);
     else if (!figure)
-        check_data(check, name, buffer_text(&handed), again);
-    else if (!text_equal(buffer_text(&handed), again))
+        check_data(check, name, buffer_text(&handed), repeated);
+    else if (!text_equal(buffer_text(&handed), repeated))
         check_differs(check, name, "the session gives a different figure", TEXT(""));
     const int added = check->differences - differences;
     check->wrong_values += strcmp(name, "values.csv") == 0 ? added : 0;
@@ -429,15 +429,15 @@ int hand_ins_check(struct session *session, const char *const *folder, int folde
     struct checked *checked = copy_folders(&arena, folder, folders);
     int count = 0;
     for (; checked && count < folders && !cancelled(session->front.cancel); count++) {
-        struct session *own = session_create(&session->front);
-        if (!own)
+        struct session *fresh = session_create(&session->front);
+        if (!fresh)
             break;
-        own->options.safe = session->options.safe;
-        own->options.verbose = session->options.verbose;
-        own->setup.settings.format = session->setup.settings.format;
-        status = check_folder(own, checked, count, reply);
+        fresh->options.safe = session->options.safe;
+        fresh->options.verbose = session->options.verbose;
+        fresh->setup.settings.format = session->setup.settings.format;
+        status = check_folder(fresh, checked, count, reply);
         failing += status != 0;
-        session_destroy(own);
+        session_destroy(fresh);
     }
     arena_reset(&arena);
     if (folders > 1 && count == folders)

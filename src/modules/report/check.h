@@ -52,9 +52,9 @@ void check_differs(struct check *check, const char *file, const char *what, stru
 
 /* Compares values.csv of the folder with the one that the session gives: each value within its
  * uncertainty. */
-void check_values(struct check *check, struct text handed_text, struct text again_text);
+void check_values(struct check *check, struct text handed_text, struct text repeated_text);
 
 /* Compares two tables of data number by number, to `data_tolerance_relative` of the largest number
  * of the column. Comments say where a file was and are not compared. */
 void check_data(struct check *check, const char *file, struct text handed_text,
-                struct text again_text);
+                struct text repeated_text);

@@ -71,7 +71,7 @@ void check_answers(struct check *check, struct text report, struct text page)
 {
     static const struct text name = {"Name:", 5}, date = {"Date:", 5}, answer = {"Answer:", 7};
     struct text rest = report, line, question = TEXT("");
-    struct buffer own = {0};
+    struct buffer unanswered = {0};
     bool written = false, is_answer = false;
     put_field_value(report, name, &check->name);
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
@@ -89,11 +89,11 @@ void check_answers(struct check *check, struct text report, struct text page)
             written |= is_written(line);
         }
         if (!is_answer && !text_starts(line, name) && !text_starts(line, date)) {
-            buffer_put(&own, text_trim(line)); /* an editor may add carriage returns */
-            buffer_char(&own, '\n');
+            buffer_put(&unanswered, text_trim(line)); /* an editor may add carriage returns */
+            buffer_char(&unanswered, '\n');
         }
     }
     count_answer(check, question, written, page);
-    check->sum = own.len ? bytes_sum(buffer_text(&own)) : 0;
-    buffer_free(&own);
+    check->sum = unanswered.len ? bytes_sum(buffer_text(&unanswered)) : 0;
+    buffer_free(&unanswered);
 }

@@ -97,10 +97,10 @@ static bool values_agree(struct measured stated, struct measured computed)
 
 /* Compares row i of the folder's values with row j of the session's, and reports a difference. */
 static void compare_value(struct check *check, const struct values *handed, size_t i,
-                          const struct values *again, size_t j)
+                          const struct values *repeated, size_t j)
 {
     const struct measured stated = {handed->value[i], handed->uncertainty[i]};
-    const struct measured computed = {again->value[j], again->uncertainty[j]};
+    const struct measured computed = {repeated->value[j], repeated->uncertainty[j]};
     check->values++;
     if (values_agree(stated, computed))
         return;
@@ -126,30 +126,30 @@ static void report_unmatched(struct check *check, const struct values *values, s
 }
 
 /* Compares rows that both tables have, and reports those that only one has. */
-void check_values(struct check *check, struct text handed_text, struct text again_text)
+void check_values(struct check *check, struct text handed_text, struct text repeated_text)
 {
-    struct table handed_table = {0}, again_table = {0};
-    struct values handed, again;
+    struct table handed_table = {0}, repeated_table = {0};
+    struct values handed, repeated;
     struct error error = {0};
     if (!table_parse(handed_text, NULL, &check->arena, &handed_table, &error) ||
         !find_values(&handed_table, &handed)) {
-        if (!text_equal(handed_text, again_text)) /* else it has a heading alone */
+        if (!text_equal(handed_text, repeated_text)) /* else it has a heading alone */
             check_differs(check, "values.csv", "it is not a table of values", text_of(error.text));
         return;
     }
-    if (!table_parse(again_text, NULL, &check->arena, &again_table, &error) ||
-        !find_values(&again_table, &again))
+    if (!table_parse(repeated_text, NULL, &check->arena, &repeated_table, &error) ||
+        !find_values(&repeated_table, &repeated))
         return;
     for (size_t i = 0; i < handed.rows; i++) {
-        const size_t j = find_row(&handed, i, &again);
-        if (j < again.rows)
-            compare_value(check, &handed, i, &again, j);
+        const size_t j = find_row(&handed, i, &repeated);
+        if (j < repeated.rows)
+            compare_value(check, &handed, i, &repeated, j);
         else
             report_unmatched(check, &handed, i, "the session does not give");
     }
-    for (size_t j = 0; j < again.rows; j++)
-        if (find_row(&again, j, &handed) == handed.rows)
-            report_unmatched(check, &again, j, "it lacks");
+    for (size_t j = 0; j < repeated.rows; j++)
+        if (find_row(&repeated, j, &handed) == handed.rows)
+            report_unmatched(check, &repeated, j, "it lacks");
 }
 
 /* ---- data ---- */
@@ -188,12 +188,12 @@ static const char *unit_of_column(const struct table_column *column)
 
 /* Compares column c of two tables of the same shape and adds its differences to *found. Texts must
  * be equal. */
-static void compare_column(const struct table *handed, const struct table *again, int c,
+static void compare_column(const struct table *handed, const struct table *repeated, int c,
                            struct data_difference *found)
 {
-    const struct table_column *a = &handed->column[c], *b = &again->column[c];
+    const struct table_column *a = &handed->column[c], *b = &repeated->column[c];
     const double scale =
-        a->value ? fmax(column_max(a, handed->rows), column_max(b, again->rows)) : 0;
+        a->value ? fmax(column_max(a, handed->rows), column_max(b, repeated->rows)) : 0;
     const bool has_unit = *unit_of_column(a);
     const double tolerance =
         data_tolerance_relative + (has_unit || !(scale > 0) ? 0 : data_tolerance_of_one / scale);
@@ -232,7 +232,7 @@ static void checked_cell_put(const struct table_column *column, size_t row, stru
 
 /* Reports the differing cell with the largest relative difference, and how many differ. */
 static void report_data_difference(struct check *check, const char *file,
-                                   const struct table *handed, const struct table *again,
+                                   const struct table *handed, const struct table *repeated,
                                    const struct data_difference *found)
 {
     const struct table_column *column = &handed->column[found->column];
@@ -240,7 +240,7 @@ static void report_data_difference(struct check *check, const char *file,
     buffer_format(&detail, "%s of row %zu is ", column->name, found->row + 1);
     checked_cell_put(column, found->row, &detail);
     buffer_put(&detail, TEXT(", the session gives "));
-    checked_cell_put(&again->column[found->column], found->row, &detail);
+    checked_cell_put(&repeated->column[found->column], found->row, &detail);
     if (found->count > 1)
         buffer_format(&detail, "; %zu numbers differ, this one the most", found->count);
     check_differs(check, file, "the session gives different data", buffer_text(&detail));
@@ -249,23 +249,24 @@ static void report_data_difference(struct check *check, const char *file,
 
 /* Tables of different shape are reported as a whole, others by their largest difference. */
 void check_data(struct check *check, const char *file, struct text handed_text,
-                struct text again_text)
+                struct text repeated_text)
 {
-    struct table handed = {0}, again = {0};
+    struct table handed = {0}, repeated = {0};
     struct data_difference found = {0};
     struct error error = {0};
     struct buffer detail = {0};
-    if (!table_parse(again_text, NULL, &check->arena, &again, &error))
+    if (!table_parse(repeated_text, NULL, &check->arena, &repeated, &error))
         return;
     bool same = table_parse(handed_text, NULL, &check->arena, &handed, &error);
     if (!same)
         buffer_put(&detail, text_of(error.text));
-    else if (handed.rows != again.rows)
-        buffer_format(&detail, "it has %zu rows, the session gives %zu", handed.rows, again.rows);
-    same = same && handed.rows == again.rows;
-    if (same && handed.columns == again.columns)
+    else if (handed.rows != repeated.rows)
+        buffer_format(&detail, "it has %zu rows, the session gives %zu", handed.rows,
+                      repeated.rows);
+    same = same && handed.rows == repeated.rows;
+    if (same && handed.columns == repeated.columns)
         for (int c = 0; c < handed.columns && same; c++)
-            same = same_column(&handed.column[c], &again.column[c]);
+            same = same_column(&handed.column[c], &repeated.column[c]);
     else
         same = false;
     if (!same) {
@@ -274,9 +275,9 @@ void check_data(struct check *check, const char *file, struct text handed_text,
         check_differs(check, file, "the session gives different data", buffer_text(&detail));
     } else {
         for (int c = 0; c < handed.columns; c++)
-            compare_column(&handed, &again, c, &found);
+            compare_column(&handed, &repeated, c, &found);
         if (found.count > 0)
-            report_data_difference(check, file, &handed, &again, &found);
+            report_data_difference(check, file, &handed, &repeated, &found);
     }
     buffer_free(&detail);
 }

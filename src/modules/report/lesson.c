@@ -212,10 +212,10 @@ static int equivalent_values(const struct lesson_step *step, struct named_value 
 static bool is_answer_right(const struct item *item, const struct named_value *wanted)
 {
     const double stated = item->value.uncertainty;
-    const double own = isfinite(wanted->uncertainty) ? fabs(wanted->uncertainty) : 0;
+    const double wanted_error = isfinite(wanted->uncertainty) ? fabs(wanted->uncertainty) : 0;
     const double rounding = stated > 0 ? 0 : LESSON_DIGITS * fabs(wanted->value);
-    return fits_unit(item, wanted->quantity) &&
-           fabs(item->value.value - wanted->value) <= fmax(3 * hypot(own, stated), rounding);
+    return fits_unit(item, wanted->quantity) && fabs(item->value.value - wanted->value) <=
+                                                    fmax(3 * hypot(wanted_error, stated), rounding);
 }
 
 /* Checks the student's answer and goes to the next step if it is right. Messages never reveal the

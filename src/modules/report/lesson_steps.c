@@ -330,8 +330,8 @@ void lesson_read(struct reader *reader)
     struct lesson lesson = {.waits = true};
     if (!field_find(reader->state, "report", &stored))
         return;
-    struct lesson *kept = session_part(reader->session, &report_module);
-    const bool ok = kept && field_find(stored, "text", &text) &&
+    struct lesson *stored_lesson = session_part(reader->session, &report_module);
+    const bool ok = stored_lesson && field_find(stored, "text", &text) &&
                     fields_get(stored, fields, COUNT_OF(fields), &lesson) && lesson.step >= 0 &&
                     lesson.step <= lesson.steps && lesson.steps <= LESSON_STEPS;
     if (ok)
@@ -341,5 +341,5 @@ void lesson_read(struct reader *reader)
         buffer_free(&lesson.text);
         return;
     }
-    *kept = lesson;
+    *stored_lesson = lesson;
 }

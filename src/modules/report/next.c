@@ -118,8 +118,8 @@ static void put_adopt(const struct lab *lab, struct buffer *line)
 static void put_run(const struct lab *lab, struct buffer *line)
 {
     const double most = lab->decays ? DAMPED_S : UNDAMPED_S;
-    const double whole = floor(recording_span(lab->recording) + 0.5);
-    const double duration = whole >= 1 && whole < most ? whole : most;
+    const double whole_seconds = floor(recording_span(lab->recording) + 0.5);
+    const double duration = whole_seconds >= 1 && whole_seconds < most ? whole_seconds : most;
     buffer_format(line, "method %s dt=%g ms; run %g s", lab->decays ? "rk4" : "euler",
                   1000 * STEP_S, duration);
 }

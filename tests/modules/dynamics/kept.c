@@ -11,7 +11,7 @@
 #include "modules/recording/fits.h"
 #include <hooke/base/fields.h>
 #include <hooke/run/store.h>
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 
 /* ---- all there is, as text ---- */
 
@@ -92,7 +92,7 @@ static void put_found(const struct dynamics *d, struct buffer *text)
                  (size_t)(d->orbit[i].samples * (d->n + 1)) * sizeof *d->orbit[i].sample);
     }
     for (int i = 0; i < d->branches; i++) {
-        const struct kept_branch *b = d->branch[i];
+        const struct stored_branch *b = d->branch[i];
         buffer_format(text, "branch %d of %s\n", b->number, b->origin);
         put_bits(text, "points", b->branch.point,
                  (size_t)b->branch.count * sizeof *b->branch.point);

@@ -7,7 +7,7 @@
 #include "modules/solving/compute/start.h"
 #include "modules/dynamics/dynamics.h"
 
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 
 static const char duffing[] =
     "scene new; var x = 1; var v = 0; param d = 0.2; param F = 0; x' = v; "
@@ -24,14 +24,14 @@ static void keep_orbit(struct bench *b, double period)
                                    .bottom = {-1, -1},
                                    .period = period,
                                    .values = 1};
-    assert_non_null(dynamics_keep_orbit(b->session, &orbit, 2, sample, &error));
+    assert_non_null(dynamics_store_orbit(b->session, &orbit, 2, sample, &error));
 }
 
 /* A branch of three points, the middle one special. */
-static const struct kept_branch *keep_branch(struct bench *b, double at, enum special special)
+static const struct stored_branch *keep_branch(struct bench *b, double at, enum special special)
 {
     struct error error = {0};
-    struct kept_branch like = {.params = 1, .origin = "equilibrium 1", .low = {0}, .high = {9}};
+    struct stored_branch like = {.params = 1, .origin = "equilibrium 1", .low = {0}, .high = {9}};
     like.param[0] = scene_param(&b->session->setup.scene, "d");
     like.branch.count = 3;
     like.branch.point = calloc(3, sizeof *like.branch.point);
@@ -42,15 +42,15 @@ static const struct kept_branch *keep_branch(struct bench *b, double at, enum sp
             (struct solution){.n = 2, .param = {at + i - 1}, .state = {0.25, 0.5}, .values = 2};
         point->special = i == 1 ? special : SPECIAL_NONE;
     }
-    const struct kept_branch *kept =
-        dynamics_keep_branch(b->session, &like, b->session->setup.scene.value, &error);
+    const struct stored_branch *kept =
+        dynamics_store_branch(b->session, &like, b->session->setup.scene.value, &error);
     assert_non_null(kept);
     return kept;
 }
 
-static const struct kept_point *point(const struct bench *b, const char *label)
+static const struct stored_point *point(const struct bench *b, const char *label)
 {
-    const struct kept_branch *branch;
+    const struct stored_branch *branch;
     return dynamics_point(session_dynamics(b->session), text_of(label), &branch);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Attractors: learned where a motion repeats (walk_learn), and recognized when another motion comes
- * near (walker_look). */
+ * near (walker_check). */
 #include "modules/dynamics/basins/basins.h"
 
 #include <math.h>
@@ -16,14 +16,14 @@
 #define RECURRENCE_SIZES 1e-8     /* distance, in sizes, within which a state has recurred */
 #define RECURRENCES_MIN 3         /* successive recurrences, in periods, of a motion that repeats */
 #define ATTRACTOR_NEAR_SIZES 1e-3 /* distance, in sizes, within which a motion is near one */
-#define NEAR_LOOKS_MIN 3          /* successive looks near an attractor after which it is reached */
+#define NEAR_CHECKS_MIN 3         /* successive looks near an attractor after which it is reached */
 /* Two attractors found are the same within this distance, in sizes. */
 #define ATTRACTORS_SAME_SIZES 1e-5
 /* Number of successive checks in the cells of an irregular attractor after which it is reached. */
-#define CLOUD_LOOKS_INSIDE 24
-#define CLOUD_LOOKS 6000        /* number of checks from which the visited cells are collected */
-#define ORBIT_TURN_STEPS 1000   /* largest number of steps of a turn around an orbit */
-#define ORBIT_TURN_LOOKS_MAX 50 /* longest turn, in times between checks */
+#define CLOUD_CHECKS_INSIDE 24
+#define CLOUD_CHECKS 6000        /* number of checks from which the visited cells are collected */
+#define ORBIT_TURN_STEPS 1000    /* largest number of steps of a turn around an orbit */
+#define ORBIT_TURN_CHECKS_MAX 50 /* longest turn, in times between checks */
 /* An orbit whose multipliers are within this distance of 1 attracts nothing. */
 #define MULTIPLIER_NEUTRAL_MARGIN 1e-7
 #define ORBIT_CLOSED_SIZES 1e-6 /* distance, in sizes, within which an orbit has closed */
@@ -116,28 +116,28 @@ static int approached_attractor(const struct basin_walk *walk, struct walker *w)
     if (w->near_count == 0)
         return BASIN_MISSING;
     const bool is_cloud = walk->attractor[w->attractor].cell;
-    const int looks_min = is_cloud ? CLOUD_LOOKS_INSIDE : NEAR_LOOKS_MIN;
-    return w->near_count >= looks_min ? w->attractor : BASIN_MISSING;
+    const int checks_min = is_cloud ? CLOUD_CHECKS_INSIDE : NEAR_CHECKS_MIN;
+    return w->near_count >= checks_min ? w->attractor : BASIN_MISSING;
 }
 
 /* Returns true if the walker has repeatedly been where it was a fixed number of looks before. */
 static bool has_repeated(const struct basin_walk *walk, struct walker *w)
 {
-    for (int q = 1; q < WALK_PAST && q < w->looks; q++) {
-        if (field_distance(&walk->field, w->y, w->past[(w->looks - q) % WALK_PAST]) >=
+    for (int q = 1; q < WALK_PAST && q < w->checks; q++) {
+        if (field_distance(&walk->field, w->y, w->past[(w->checks - q) % WALK_PAST]) >=
             RECURRENCE_SIZES)
             continue;
-        w->again = q == w->period ? w->again + 1 : 1;
+        w->recurrences = q == w->period ? w->recurrences + 1 : 1;
         w->period = q;
-        return w->again >= RECURRENCES_MIN * q;
+        return w->recurrences >= RECURRENCES_MIN * q;
     }
-    w->again = 0;
+    w->recurrences = 0;
     return false;
 }
 
 /* Angles are reduced to one turn, then escape, nearness to known attractors and recurrence are
  * tested, in this order. */
-int walker_look(const struct basin_walk *walk, struct walker *w)
+int walker_check(const struct basin_walk *walk, struct walker *w)
 {
     for (int i = 0; i < walk->n; i++) {
         const double turn = walk->field.turn[i];
@@ -146,16 +146,16 @@ int walker_look(const struct basin_walk *walk, struct walker *w)
         if (!(fabs(w->y[i] - walk->centre[i]) < ESCAPE_SIZES * walk->field.size[i]))
             return BASIN_ESCAPES;
     }
-    w->looks++;
+    w->checks++;
     w->found = false;
     const int fate = approached_attractor(walk, w);
     if (fate >= 0)
         return fate;
     w->found = has_repeated(walk, w);
-    memcpy(w->past[w->looks % WALK_PAST], w->y, sizeof w->past[0]);
+    memcpy(w->past[w->checks % WALK_PAST], w->y, sizeof w->past[0]);
     if (w->found)
         return BASIN_UNDECIDED;
-    return w->looks >= WALK_LOOKS ? BASIN_UNDECIDED : BASIN_MISSING;
+    return w->checks >= WALK_CHECKS_MAX ? BASIN_UNDECIDED : BASIN_MISSING;
 }
 
 /* ---- new attractors ---- */
@@ -272,20 +272,20 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
         settle_state(walk, a.basin.state);
     a.point = malloc((size_t)(a.points * n) * sizeof *a.point);
     for (int k = 0; a.point && k < a.points; k++)
-        memcpy(a.point + k * n, w->past[(w->looks + WALK_PAST - k) % WALK_PAST],
+        memcpy(a.point + k * n, w->past[(w->checks + WALK_PAST - k) % WALK_PAST],
                (size_t)n * sizeof *w->y);
     return add_attractor(walk, &a);
 }
 
 /* Follows the orbit until it passes the plane across its start in the same direction, near it.
- * Returns the time it takes, or 0 if it does not come back within ORBIT_TURN_LOOKS_MAX looks or
+ * Returns the time it takes, or 0 if it does not come back within ORBIT_TURN_CHECKS_MAX looks or
  * cannot be followed. *closure_error is the distance from the start at the last passage near it,
  * unchanged if there was none. */
 static double orbit_period(struct basin_walk *walk, const double *start, double *closure_error)
 {
     struct field_plane plane;
     double y[2][FIELD_VARIABLES], end[FIELD_VARIABLES], far = 0, previous_side = 0;
-    const double h = walk->strobe / (ORBIT_TURN_STEPS / ORBIT_TURN_LOOKS_MAX),
+    const double h = walk->strobe / (ORBIT_TURN_STEPS / ORBIT_TURN_CHECKS_MAX),
                  t0 = walk->field.system.t0;
     field_plane_across(&walk->field, start, &plane);
     memcpy(y[0], start, sizeof y[0]);
@@ -358,16 +358,16 @@ static int learn_region(struct basin_walk *walk, struct walker *w)
         .basin = {.kind = BASIN_IRREGULAR, .period = NAN, .growth = NAN, .stable = true}};
     int fate = BASIN_MISSING;
     double spread[3][FIELD_VARIABLES] = {{0}}, low[FIELD_VARIABLES], high[FIELD_VARIABLES];
-    for (int k = 0; a.cell && k < CLOUD_LOOKS && fate == BASIN_MISSING; k++) {
+    for (int k = 0; a.cell && k < CLOUD_CHECKS && fate == BASIN_MISSING; k++) {
         stepper_advance(stepper, w, 1);
-        w->looks = 0; /* no limit on the number of looks */
-        fate = cancelled(walk->field.cancel) ? BASIN_UNDECIDED : walker_look(walk, w);
+        w->checks = 0; /* no limit on the number of looks */
+        fate = cancelled(walk->field.cancel) ? BASIN_UNDECIDED : walker_check(walk, w);
         mark_cells(walk, a.cell, w->y);
         for (int i = 0; i < walk->n; i++) {
-            const bool begins = k % (CLOUD_LOOKS / 3) == 0;
+            const bool begins = k % (CLOUD_CHECKS / 3) == 0;
             low[i] = begins ? w->y[i] : fmin(low[i], w->y[i]);
             high[i] = begins ? w->y[i] : fmax(high[i], w->y[i]);
-            spread[k / (CLOUD_LOOKS / 3)][i] = high[i] - low[i];
+            spread[k / (CLOUD_CHECKS / 3)][i] = high[i] - low[i];
         }
     }
     if (fate == BASIN_MISSING && spread_shrinks(walk->n, spread))
@@ -380,14 +380,14 @@ static int learn_region(struct basin_walk *walk, struct walker *w)
     return fate == BASIN_MISSING ? BASIN_UNDECIDED : fate;
 }
 
-/* Tries a recurring state, then a closed orbit, then, after WALK_LOOKS checks, an irregular
+/* Tries a recurring state, then a closed orbit, then, after WALK_CHECKS_MAX checks, an irregular
  * region. */
 int walk_learn(struct basin_walk *walk, struct walker *w)
 {
     if (w->found && (walk->forced || is_equilibrium(walk, w->y)))
         return learn_points(walk, w);
     const int orbit = learn_orbit(walk, w);
-    if (orbit != BASIN_MISSING || w->looks < WALK_LOOKS)
+    if (orbit != BASIN_MISSING || w->checks < WALK_CHECKS_MAX)
         return orbit;
     return learn_region(walk, w);
 }

@@ -16,9 +16,9 @@
 
 #define POINTS_MOST 16000000   /* largest number of starts */
 #define PILOT_STARTS 64        /* number of starts, 8 x 8, from which attractors are learned */
-#define LOOKS_PER_ATTEMPT 64   /* number of checks between attempts to find an orbit */
+#define CHECKS_PER_ATTEMPT 64  /* number of checks between attempts to find an orbit */
 #define SIZE_MIN_FRACTION 1e-3 /* Sizes below this part of the largest size are replaced by it. */
-#define LOOK_NS 50000000       /* [ns] time between two reports of progress */
+#define PROGRESS_INTERVAL_NS 50000000 /* [ns] time between two reports of progress */
 
 double basins_value(const struct basins_request *request, int axis, int64_t place)
 {
@@ -44,11 +44,11 @@ struct basins_job {
     const struct basins_request *request;
     const struct basin_walk *walk;
     struct basins *basins;
-    atomic_llong next, finished, looks; /* next start; numbers of finished ones and of checks */
-    pthread_mutex_t lock;               /* protects `late` */
-    struct late *late;                  /* [lates] motions that have come to an unknown attractor */
-    size_t lates, room;                 /* number and capacity */
-    bool failed;                        /* memory ran out */
+    atomic_llong next, finished, checks; /* next start; numbers of finished ones and of checks */
+    pthread_mutex_t lock;                /* protects `late` */
+    struct late *late;  /* [lates] motions that have come to an unknown attractor */
+    size_t lates, room; /* number and capacity */
+    bool failed;        /* memory ran out */
 };
 
 /* A motion whose attractor has to be learned, and its start. */
@@ -194,22 +194,23 @@ static bool learn_first(struct basin_walk *walk, const struct basins_request *re
                       b = request->axis[1].count * (int64_t)(2 * (k % 8) + 1) / 16;
         walker_begin_at(request, walk, a * request->axis[1].count + b, &walker[k]);
     }
-    for (int look = 1; active > 0 && !cancelled(request->cancel); look++) {
+    for (int check = 1; active > 0 && !cancelled(request->cancel); check++) {
         stepper_advance(stepper, walker, active);
         if (cancelled(request->cancel)) /* it may have ended anywhere */
             break;
-        basins->looks += active;
+        basins->checks += active;
         int left = 0;
         for (int k = 0; k < active; k++) {
-            int fate = walker_look(walk, &walker[k]);
-            if (fate == BASIN_UNDECIDED || (fate == BASIN_MISSING && look % LOOKS_PER_ATTEMPT == 0))
+            int fate = walker_check(walk, &walker[k]);
+            if (fate == BASIN_UNDECIDED ||
+                (fate == BASIN_MISSING && check % CHECKS_PER_ATTEMPT == 0))
                 fate = walk_learn(walk, &walker[k]);
-            if (fate == BASIN_MISSING && walker[k].looks < WALK_LOOKS)
+            if (fate == BASIN_MISSING && walker[k].checks < WALK_CHECKS_MAX)
                 walker[left++] = walker[k];
         }
         active = left;
         if (request->progress)
-            request->progress(request->context, 0.1 * fmin(1, 1.0 * look / WALK_LOOKS));
+            request->progress(request->context, 0.1 * fmin(1, 1.0 * check / WALK_CHECKS_MAX));
     }
     stepper_free(stepper);
     free(walker);
@@ -260,10 +261,10 @@ static void *walk_all(void *context)
         stepper_advance(stepper, walker, active);
         if (cancelled(job->request->cancel)) /* it may have ended anywhere */
             break;
-        atomic_fetch_add(&job->looks, active);
+        atomic_fetch_add(&job->checks, active);
         int left = 0;
         for (int k = 0; k < active; k++) {
-            const int fate = walker_look(job->walk, &walker[k]);
+            const int fate = walker_check(job->walk, &walker[k]);
             if (fate == BASIN_MISSING) {
                 point[left] = point[k];
                 walker[left++] = walker[k];
@@ -289,7 +290,7 @@ static void watch_over(struct basins_job *job)
     while (atomic_load(&job->finished) < job->basins->total && !cancelled(r->cancel) &&
            !job->failed) {
         nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
-        if (r->progress && clock_ns() - shown > LOOK_NS) {
+        if (r->progress && clock_ns() - shown > PROGRESS_INTERVAL_NS) {
             shown = clock_ns();
             r->progress(r->context, 0.1 + 0.9 * (double)atomic_load(&job->finished) /
                                               (double)job->basins->total);
@@ -410,7 +411,7 @@ bool basins_find(const struct basins_request *request, struct basins *basins, st
         walk_by_threads(&job);
     if (!job.failed)
         learn_late(&job, walk);
-    basins->looks += atomic_load(&job.looks);
+    basins->checks += atomic_load(&job.checks);
     basins->cancelled = cancelled(request->cancel);
     if (!job.failed)
         count_basins(basins, walk);

@@ -2,7 +2,7 @@
 /* Shared by the files that compute basins of attraction: basins.c (all starts, over threads),
  * attractors.c (recognizing and learning attractors), stepper.c (following motions), one.c (a
  * single start). A motion is checked ("look") at equal times; walker_start(), then
- * stepper_advance() and walker_look() in turn, and walk_learn() if the motion repeats. */
+ * stepper_advance() and walker_check() in turn, and walk_learn() if the motion repeats. */
 #pragma once
 
 #include "modules/dynamics/chaos.h"
@@ -10,8 +10,8 @@
 #include "modules/dynamics/orbits/field.h"
 #include "modules/lanes/lanes.h"
 
-#define WALK_PAST 9     /* number of states that are remembered: periods of up to one less */
-#define WALK_LOOKS 1000 /* number of checks after which the fate of a motion is undecided */
+#define WALK_PAST 9          /* number of states that are remembered: periods of up to one less */
+#define WALK_CHECKS_MAX 1000 /* number of checks after which the fate of a motion is undecided */
 
 /* A known attractor: one state, those of a period, a closed line, or cells of a grid. */
 struct attractor {
@@ -39,9 +39,9 @@ struct walker {
     double y[FIELD_VARIABLES];               /* SI */
     double past[WALK_PAST][FIELD_VARIABLES]; /* last states, by looks % WALK_PAST */
     /* number of checks; number of successive ones near an attractor, and its index or -1 */
-    int looks, near_count, attractor;
-    int again, period; /* number of successive recurrences after `period` checks */
-    bool found;        /* the motion repeats, but is near no known attractor */
+    int checks, near_count, attractor;
+    int recurrences, period; /* number of successive recurrences after `period` checks */
+    bool found;              /* the motion repeats, but is near no known attractor */
 };
 
 /* Prepares the walk for the request. `lanes` says that there are enough starts to fill the lanes.
@@ -55,7 +55,7 @@ void walker_start(const struct basin_walk *walk, struct walker *walker, const do
 /* Examines the walker after one more look. Returns the index of an attractor, BASIN_ESCAPES,
  * BASIN_UNDECIDED, or BASIN_MISSING if it is still on its way. Sets walker->found if the motion
  * repeats, but is near no known attractor. */
-int walker_look(const struct basin_walk *walk, struct walker *walker);
+int walker_check(const struct basin_walk *walk, struct walker *walker);
 /* Returns the index of the attractor of a motion that repeats, or that has not repeated for long; a
  * new one is added. Returns BASIN_UNDECIDED or BASIN_MISSING if there is none. */
 int walk_learn(struct basin_walk *walk, struct walker *walker);

@@ -4,7 +4,7 @@
 
 #include <math.h>
 
-#define LOOKS_PER_ATTEMPT 64 /* looks between attempts to find an orbit */
+#define CHECKS_PER_ATTEMPT 64 /* looks between attempts to find an orbit */
 /* Points within this distance, in sizes, approach the same point. */
 #define SAME_APPROACH_SIZES 1e-4
 
@@ -36,9 +36,9 @@ static int follow_start(struct basin_walk *walk, const struct cancel *cancel)
         stepper_advance(stepper, &walker, 1);
         if (cancelled(cancel)) /* it may have ended anywhere */
             break;
-        fate = walker_look(walk, &walker);
-        const bool tries = fate == BASIN_MISSING && walker.looks % LOOKS_PER_ATTEMPT == 0;
-        if (walker.looks < WALK_LOOKS && (tries || fate == BASIN_UNDECIDED))
+        fate = walker_check(walk, &walker);
+        const bool tries = fate == BASIN_MISSING && walker.checks % CHECKS_PER_ATTEMPT == 0;
+        if (walker.checks < WALK_CHECKS_MAX && (tries || fate == BASIN_UNDECIDED))
             fate = walk_learn(walk, &walker);
     }
     stepper_free(stepper);

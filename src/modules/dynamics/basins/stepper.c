@@ -12,7 +12,7 @@
 #define ALONE_TOL 1e-9 /* tolerance of adaptive steps */
 #define STEPS_MIN 16   /* smallest and largest number of steps of rk4 between checks */
 #define STEPS_MAX 2048
-#define LOOK_STEPS 256 /* number of steps between two looks at Ctrl-C */
+#define CANCEL_CHECK_STEPS 256 /* number of steps between two looks at Ctrl-C */
 /* Largest change of the end, in sizes, if the number of steps is doubled: for nine starts out of
  * ten, and for any start. */
 #define CHANGE_TYPICAL 1e-5
@@ -86,8 +86,10 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
         memcpy(s->system[i].start, walker[i < count ? i : 0].y, bytes);
         lanes_set(s->lanes, i, &s->system[i]);
     }
-    for (int done = 0; done < s->steps && !cancelled(s->field.cancel); done += LOOK_STEPS)
-        lanes_march(s->lanes, s->steps - done < LOOK_STEPS ? s->steps - done : LOOK_STEPS, NULL);
+    for (int done = 0; done < s->steps && !cancelled(s->field.cancel); done += CANCEL_CHECK_STEPS)
+        lanes_march(s->lanes,
+                    s->steps - done < CANCEL_CHECK_STEPS ? s->steps - done : CANCEL_CHECK_STEPS,
+                    NULL);
     for (int i = 0; i < count; i++) {
         lanes_state(s->lanes, i, end);
         memcpy(walker[i].y, end, bytes);

@@ -217,11 +217,11 @@ static void forget_turns(struct branch_walk *w)
 static void forget_last_turns(struct branch *b, int direction)
 {
     const bool still = b->kind == SOLUTION_EQUILIBRIUM;
-    const double apart = still ? EQUILIBRIUM_PARAM_ROUNDING : ORBIT_PARAM_ROUNDING;
+    const double rounding = still ? EQUILIBRIUM_PARAM_ROUNDING : ORBIT_PARAM_ROUNDING;
     const int first = direction > 0 ? 0 : b->count - 1;
     const double there = b->count > 0 ? b->point[first].solution.param[0] : 0;
     for (int i = first; i >= 0 && i < b->count; i += direction) {
-        if (!(fabs(b->point[i].solution.param[0] - there) <= apart * fabs(there)))
+        if (!(fabs(b->point[i].solution.param[0] - there) <= rounding * fabs(there)))
             return;
         if (b->point[i].special == SPECIAL_FOLD)
             b->point[i].special = SPECIAL_NONE;

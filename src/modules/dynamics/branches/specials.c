@@ -212,12 +212,12 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
     struct branch_point *best = w->fold_at < b->count ? &b->point[w->fold_at] : NULL;
     const double previous = b->point[b->count - 1].solution.param[0],
                  best_param = best ? best->solution.param[0] : NAN,
-                 apart = fabs(value - best_param) / fabs(best_param);
-    const bool flat =
-        w->path->kind != SOLUTION_EQUILIBRIUM && w->fold_at > 0 && apart < FOLD_ROUNDING_RELATIVE;
+                 relative_distance = fabs(value - best_param) / fabs(best_param);
+    const bool flat = w->path->kind != SOLUTION_EQUILIBRIUM && w->fold_at > 0 &&
+                      relative_distance < FOLD_ROUNDING_RELATIVE;
     if (flat && best && best->special == SPECIAL_FOLD) {
         best->special = SPECIAL_NONE;
-        w->fold_spread = fmax(w->fold_spread, apart);
+        w->fold_spread = fmax(w->fold_spread, relative_distance);
         return false;
     }
     if (flat && best && (value < best_param) != w->fold_least) {
@@ -225,7 +225,7 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
         best->accuracy = fmax(best->accuracy, w->fold_spread);
         return false;
     }
-    w->fold_spread = flat ? fmax(w->fold_spread, apart) : 0;
+    w->fold_spread = flat ? fmax(w->fold_spread, relative_distance) : 0;
     w->fold_least = flat ? w->fold_least : value < previous;
     w->fold_at = b->count;
     *accuracy = fmax(*accuracy, w->fold_spread);

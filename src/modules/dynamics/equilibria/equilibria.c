@@ -132,9 +132,10 @@ static bool is_listed(const struct zero_search *s, const double *y)
     for (int k = 0; k < s->found->count; k++) {
         double most = 0;
         for (int i = 0; i < s->n; i++) {
-            const double apart = y[i] - s->found->solution[k].state[i];
-            most = fmax(most,
-                        fabs(s->turn[i] > 0 ? remainder(apart, s->turn[i]) : apart) / s->width[i]);
+            const double difference = y[i] - s->found->solution[k].state[i];
+            most =
+                fmax(most, fabs(s->turn[i] > 0 ? remainder(difference, s->turn[i]) : difference) /
+                               s->width[i]);
         }
         if (most < doubtful_apart_min)
             return true;

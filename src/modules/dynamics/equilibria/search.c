@@ -200,15 +200,15 @@ void zeros_drop_decided(struct zero_search *s)
     struct box_queue *left = &s->undecided;
     if ((double)box_queue_count(left) * s->found->count > comparisons_max)
         return;
-    size_t kept = left->first;
+    size_t remaining = left->first;
     for (size_t b = left->first; b < left->end; b++) {
         bool decided = false;
         for (int k = 0; k < s->found->count && !decided; k++)
             decided = box_lies_in(s->n, left->box[b].side, s->proof[k].unique);
         if (!decided)
-            left->box[kept++] = left->box[b];
+            left->box[remaining++] = left->box[b];
     }
-    left->end = kept;
+    left->end = remaining;
 }
 
 /* ---- boxes ---- */

@@ -2,7 +2,7 @@
 /* Chooses the region of state space in which equilibria are searched if the user gives none. */
 #include <hooke/run.h>
 #include <hooke/base/numeric.h>
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 
 #include <math.h>
 

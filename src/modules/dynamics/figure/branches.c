@@ -4,14 +4,14 @@
 #include <hooke/plot/drawing.h>
 #include "modules/dynamics/plots.h"
 
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 
 #include <math.h>
 #include <string.h>
 
 /* Returns true if a branch varies the same parameters as the last one, so that it is shown with
  * it. */
-static bool is_shown(const struct kept_branch *last, const struct kept_branch *b)
+static bool is_shown(const struct stored_branch *last, const struct stored_branch *b)
 {
     return b->params == last->params && b->param[0] == last->param[0] &&
            (b->params == 1 || b->param[1] == last->param[1]);
@@ -26,7 +26,7 @@ bool branches_known(const struct session *session)
 /* The figure while it is made. */
 struct diagram {
     const struct dynamics *dynamics;
-    const struct kept_branch *last;
+    const struct stored_branch *last;
     int variable; /* index of the variable that is shown upwards */
     struct curve *line, *dots;
     double *x[2], *y[2]; /* coordinates of lines and dots; NAN separates segments */
@@ -57,7 +57,7 @@ static void diagram_point_put(struct diagram *g, bool stable, double x, double y
 }
 
 /* Adds one line of a branch: its equilibria, or the minima or maxima of its orbits. */
-static void put_branch_line(struct diagram *g, const struct kept_branch *b, int side)
+static void put_branch_line(struct diagram *g, const struct stored_branch *b, int side)
 {
     bool was_stable = false;
     for (int i = 0; i < b->branch.count; i++) {
@@ -85,13 +85,13 @@ static bool put_specials(struct drawing *d, const struct diagram *g, int count)
         const char *name = catalog_row(&special_catalog, (size_t)special - 1)->name;
         *curve = (struct curve){.points = true, .mark = name[0], .x = place, .y = place + count};
         for (int k = 0; k < g->dynamics->branches && special != SPECIAL_END; k++) {
-            const struct kept_branch *b = g->dynamics->branch[k];
+            const struct stored_branch *b = g->dynamics->branch[k];
             for (int i = 0; i < b->specials && is_shown(g->last, b); i++) {
-                const struct solution *s = &kept_point_at(b, &b->special[i])->solution;
-                char label[KEPT_LABEL + 1];
+                const struct solution *s = &stored_point_at(b, &b->special[i])->solution;
+                char label[POINT_LABEL_SIZE + 1];
                 if ((int)b->special[i].special != special)
                     continue;
-                kept_point_label(&b->special[i], label);
+                stored_point_label(&b->special[i], label);
                 label[strlen(label) + 1] = 0;
                 label[strlen(label)] = ' ';
                 /* the same label on two branches */
@@ -163,7 +163,7 @@ bool branches_figure(struct drawing *d, struct figure *figure)
                              .cloud = true,
                              .thinned = true};
     for (int k = 0; k < g.dynamics->branches; k++) {
-        const struct kept_branch *b = g.dynamics->branch[k];
+        const struct stored_branch *b = g.dynamics->branch[k];
         const bool two = b->branch.kind != SOLUTION_EQUILIBRIUM && b->params == 1;
         for (int side = 0; side < (two ? 2 : 1) && is_shown(g.last, b); side++)
             put_branch_line(&g, b, side);

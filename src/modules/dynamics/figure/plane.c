@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* The plane of the phase portrait, on which the cursors' point moves, and when the plot is
  * offered. */
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 #include "modules/dynamics/plots.h"
 
 #include <math.h>

@@ -4,7 +4,7 @@
 #include <hooke/base/numeric.h>
 #include <hooke/base/unit.h>
 #include <hooke/scene/poles.h>
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 #include "modules/dynamics/stored_portrait.h"
 
 #include <hooke/plot/drawing.h>
@@ -219,7 +219,7 @@ static bool add_orbits(struct drawing *d, const struct portrait_request *wanted)
         struct polyline line = {NULL, NULL, 0, 0};
         const char *label = stable ? "neutral orbit" : "unstable orbit"; /* member of a family */
         for (int k = 0; k < kept->orbits && fine; k++) {
-            const struct kept_orbit *orbit = &kept->orbit[k];
+            const struct stored_orbit *orbit = &kept->orbit[k];
             if (solution_stable(&orbit->solution) != stable ||
                 memcmp(orbit->value, wanted->scene->value,
                        (size_t)kept->params * sizeof *orbit->value) != 0)

@@ -121,11 +121,11 @@ static bool write_observed(struct writing *w)
 {
     const struct model *model = w->scene->model;
     for (int i = 0; i < w->system.n / 2 && w->system.order == 2; i++) {
-        const struct text own = variable_name(w, w->system.n / 2 + i),
+        const struct text velocity = variable_name(w, w->system.n / 2 + i),
                           variable = variable_name(w, i);
-        const bool usual = own.len == variable.len + 1 && own.data[0] == 'v' &&
-                           text_equal((struct text){own.data + 1, variable.len}, variable);
-        struct typed_line *line = usual ? NULL : writing_line_append(w, TYPED_OBSERVE, own);
+        const bool usual = velocity.len == variable.len + 1 && velocity.data[0] == 'v' &&
+                           text_equal((struct text){velocity.data + 1, variable.len}, variable);
+        struct typed_line *line = usual ? NULL : writing_line_append(w, TYPED_OBSERVE, velocity);
         if (line && !derivative_name(w, i, &line->expr))
             return false;
     }

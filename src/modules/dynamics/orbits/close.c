@@ -27,7 +27,7 @@ static bool close_least(struct solution_curve *path, const double *normal, doubl
     bool fine = false;
     memcpy(begin, u, (size_t)n * sizeof *u);
     problem->aim(problem->context, fine);
-    for (int look = 0; look < 40; look++) {
+    for (int iteration = 0; iteration < 40; iteration++) {
         double worst = 0, trace = 0, size = 0;
         if (!problem->residual(problem->context, u, f, jacobian))
             return false;

@@ -22,7 +22,7 @@
 #define FINE_CORRECTION_MAX 1e-15 /* a correction below this is rounding */
 /* Derivatives that were computed within this distance are exact to rounding. */
 #define JACOBIAN_EXACT_DISTANCE 1e-12
-#define ZERO_LOOKS_MAX 60            /* evaluations after which a test counts as not smooth */
+#define ZERO_EVALUATIONS_MAX 60      /* evaluations after which a test counts as not smooth */
 #define HALVINGS_MAX 12              /* largest number of times that a chord is shortened */
 #define STRAIGHT_CHORD_FRACTION 1e-3 /* part of a chord that counts as straight */
 /* Rounding error of a test relative to its values at the ends of the chord. */
@@ -197,7 +197,7 @@ struct chord {
     int test;                 /* index of the test whose zero is searched, unless `value` is set */
     curve_value *value;       /* function whose zero is searched, or NULL for the test */
     void *context;            /* context of `value` */
-    int looks;                /* number of evaluations so far */
+    int evaluations;          /* number of evaluations so far */
     struct curve_place point; /* last place */
     double share; /* position of `point` on the chord, 0 to 1, or NAN if there is none */
     bool failed;  /* a place could not be corrected */
@@ -235,7 +235,7 @@ static double chord_test(void *context, double share)
     double guess[CURVE_MAX];
     chord_guess(c, share, guess);
     c->share = share;
-    if (c->looks++ == ZERO_LOOKS_MAX ||
+    if (c->evaluations++ == ZERO_EVALUATIONS_MAX ||
         !curve_correct(c->problem, guess, c->direction, true, &c->point)) {
         c->failed = true;
         return c->share = NAN;
@@ -322,17 +322,17 @@ static bool gather_nodes(struct chord *c, double centre, double half, struct fit
         point[fit->count++] = c->point;
         most = fmax(most, fabs(value));
     }
-    int kept = 0;
+    int remaining = 0;
     for (int k = 0; k < fit->count; k++) {
         if (fabs(fit->value[k]) < TOO_NEAR * most)
             continue;
-        fit->node[kept] = fit->node[k];
-        fit->value[kept] = fit->value[k];
-        point[kept++] = point[k];
+        fit->node[remaining] = fit->node[k];
+        fit->value[remaining] = fit->value[k];
+        point[remaining++] = point[k];
     }
-    fit->count = kept;
-    return kept >= INTERPOLATION_NODES - 3 &&
-           signbit(fit->value[0]) != signbit(fit->value[kept - 1]);
+    fit->count = remaining;
+    return remaining >= INTERPOLATION_NODES - 3 &&
+           signbit(fit->value[0]) != signbit(fit->value[remaining - 1]);
 }
 
 /* Finds the crossing near `centre` by polynomials through places up to `half` from it, all as
@@ -373,7 +373,7 @@ static bool refine_crossing(struct chord *c, double share, double half, struct c
     *uncertainty = HUGE_VAL;
     for (int k = 0; k < INTERPOLATION_LEVELS; k++, half /= 4) {
         struct curve_place better;
-        c->looks = 0;
+        c->evaluations = 0;
         if (!locate_crossing(c, share, half, &better, &next))
             break;
         const double moved = c->length * fabs(next - share);
@@ -411,7 +411,7 @@ static bool find_crossing(struct chord *c, struct curve_place *point, double *un
         if (refine_crossing(c, middle, (end - begin) / 2, point, uncertainty))
             return true;
         c->failed = false;
-        c->looks = 0;
+        c->evaluations = 0;
         const double value = chord_test(c, middle);
         if (c->failed || !isfinite(value))
             return false;

@@ -136,7 +136,7 @@ bool field_by_parameter(struct vector_field *field, int j, const double *y, doub
     struct scene side[2];
     struct system system;
     double rate[2][LIMIT_VARIABLES];
-    const double apart = parameter_sides(field, j, side);
+    const double param_difference = parameter_sides(field, j, side);
     for (int s = 0; s < 2; s++) {
         if (!scene_bind_rates(&side[s], &system))
             return false;
@@ -144,7 +144,7 @@ bool field_by_parameter(struct vector_field *field, int j, const double *y, doub
     }
     field->evals += 2;
     for (int i = 0; i < field->n; i++)
-        slope[i] = (rate[0][i] - rate[1][i]) / apart;
+        slope[i] = (rate[0][i] - rate[1][i]) / param_difference;
     return true;
 }
 
@@ -161,13 +161,13 @@ double field_drive_by(struct vector_field *field, int j)
     struct scene side[2];
     struct system system;
     double period[2];
-    const double apart = parameter_sides(field, j, side);
+    const double param_difference = parameter_sides(field, j, side);
     for (int s = 0; s < 2; s++) {
         if (!scene_bind_rates(&side[s], &system))
             return NAN;
         period[s] = system_drive(&system);
     }
-    return field->drive_by[j] = (period[0] - period[1]) / apart;
+    return field->drive_by[j] = (period[0] - period[1]) / param_difference;
 }
 
 /* ---- the flow ---- */
@@ -255,13 +255,13 @@ bool field_flow(struct vector_field *field, double t, const double *start, doubl
 {
     const int n = field->n;
     double all[LIMIT_VARIABLES];
-    struct system own, *system = &own;
+    struct system copy, *system = &copy;
     if (slopes) {
         if (!bind_variation(field))
             return false;
         system = &field->variation->whole;
     } else {
-        own = field->system;
+        copy = field->system;
     }
     system->t0 = t;
     memcpy(system->start, start, (size_t)n * sizeof *start);

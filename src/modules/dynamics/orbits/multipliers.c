@@ -84,7 +84,7 @@ static void orthogonalise(int n, double *a, double *r)
 {
     memset(r, 0, (size_t)(n * n) * sizeof *r);
     for (int j = 0; j < n; j++) {
-        for (int again = 0; again < 2; again++)
+        for (int pass = 0; pass < 2; pass++)
             for (int k = 0; k < j; k++) {
                 double projection = 0;
                 for (int i = 0; i < n; i++)
@@ -171,7 +171,7 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
      * turns, little may be left across of what has grown. */
     for (int s = 0; s < o->segments; s++)
         errors[s] = (errors[s] + tol) * vector_length(o->n * o->n, o->map + s * o->n * o->n);
-    square q, r, turned, whole;
+    square q, r, turned, basis_change;
     double uncertain[FIELD_VARIABLES], first[FIELD_VARIABLES * FIELD_VARIABLES];
     for (int s = 0; s < o->segments; s++) {
         const double *given = o->map + s * o->n * o->n;
@@ -190,8 +190,8 @@ bool orbit_multipliers(const struct orbit_maps *o, double tol, struct multiplier
     for (int i = 0; i < n; i++)
         for (int j = 0; j < n; j++)
             turned[i * n + j] = first[j * n + i];
-    multiply(n, n, n, turned, q, whole);
-    multiply(n, n, n, whole, r, turned);
+    multiply(n, n, n, turned, q, basis_change);
+    multiply(n, n, n, basis_change, r, turned);
     if (!matrix_eigenvalues(n, turned, m->value))
         return false;
     eigenvalues_sort(n, m->value);

@@ -174,20 +174,20 @@ static bool find_autonomous(struct orbit_search *s, struct error *error)
     static const char none[] = "the motion does not return to an earlier state";
     const int n = s->field.n;
     double span = s->request->span, end[FIELD_VARIABLES];
-    for (int waits = 0, looks = 0; looks < 3 * SETTLING_SPANS_MAX; looks++) {
+    for (int waits = 0, spans = 0; spans < 3 * SETTLING_SPANS_MAX; spans++) {
         struct returns found;
         orbit_progress_report(s);
         if (cancelled(s->request->cancel) || !find_returns(s, span, &found, end))
-            return end_search(s, looks > 0 ? none : "the motion from there ends before it returns",
+            return end_search(s, spans > 0 ? none : "the motion from there ends before it returns",
                               error);
         if (s->extent < REST_SIZES)
             return end_search(s, "the motion comes to rest at an equilibrium", error);
         s->first = fmax(s->first, s->extent);
-        if (found.count == 0 && span < 1e6 * s->request->span && looks < SETTLING_SPANS_MAX) {
+        if (found.count == 0 && span < 1e6 * s->request->span && spans < SETTLING_SPANS_MAX) {
             span *= 2;
             continue;
         }
-        if (found.count >= RETURNS_MAX && looks < SETTLING_SPANS_MAX) {
+        if (found.count >= RETURNS_MAX && spans < SETTLING_SPANS_MAX) {
             span /= 4;
             continue;
         }

@@ -86,10 +86,10 @@ static double plane_distance(const struct plane_walk *w, const double *state)
 {
     double far = 0;
     for (int k = 0; k < 2; k++) {
-        double apart = w->y[variable_of(w, k)] - state[variable_of(w, k)];
+        double difference = w->y[variable_of(w, k)] - state[variable_of(w, k)];
         if (w->wraps[k])
-            apart = remainder(apart, w->width[k]);
-        far = fmax(far, fabs(apart) / w->width[k]);
+            difference = remainder(difference, w->width[k]);
+        far = fmax(far, fabs(difference) / w->width[k]);
     }
     return far;
 }

@@ -57,7 +57,7 @@ static void count_pairs(const struct delay_space *s, size_t i, size_t stride, ui
 {
     for (size_t j = i % stride; j < s->points; j += stride) {
         double most = 0;
-        if ((j > i ? j - i : i - j) <= s->apart)
+        if ((j > i ? j - i : i - j) <= s->theiler_window)
             continue;
         for (int d = 0; d < s->dimensions - 1; d++)
             most = fmax(most, fabs(space_value(s, i, d) - space_value(s, j, d)));

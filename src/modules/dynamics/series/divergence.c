@@ -42,9 +42,9 @@ static double log_across(const struct delay_space *s, size_t i, size_t centre, s
         double square = 0, projection = 0, speed = 0;
         for (int d = 0; d < s->dimensions; d++) {
             const double v = (space_value(s, i + 1, d) - space_value(s, i - 1, d)) / 2,
-                         apart = space_value(s, *j, d) - space_value(s, i, d);
-            square += apart * apart;
-            projection += apart * v;
+                         difference = space_value(s, *j, d) - space_value(s, i, d);
+            square += difference * difference;
+            projection += difference * v;
             speed += v * v;
         }
         size_t next = *j;
@@ -89,7 +89,7 @@ static void put_means(const struct delay_space *s, const size_t *count, struct d
     d->last = 0;
     for (size_t k = d->steps - d->steps / 4; k < d->steps; k++)
         d->last += d->mean[k] / (double)(d->steps / 4);
-    d->apart = fmin(mean_log_distance(s), d->last);
+    d->saturation = fmin(mean_log_distance(s), d->last);
 }
 
 /* Follows about NEIGHBOUR_PAIRS vectors and the nearest neighbour of each, sorted into parts by
@@ -141,7 +141,7 @@ struct even_growth divergence_growth(const struct divergence *d, size_t begin)
 {
     struct even_growth g = {.first = begin, .error = NAN, .slope = NAN, .halves = {NAN, NAN}};
     g.last = begin;
-    while (g.last < d->steps && d->mean[g.last] < d->apart - SATURATION_LOG_MARGIN)
+    while (g.last < d->steps && d->mean[g.last] < d->saturation - SATURATION_LOG_MARGIN)
         g.last++;
     if (g.last > 0)
         g.last--;

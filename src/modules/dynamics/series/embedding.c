@@ -27,10 +27,10 @@ static void consider_neighbour(const struct delay_space *s, size_t i, size_t j, 
     const double most = f->count == wanted ? f->square[f->count - 1] : HUGE_VAL;
     double square = 0;
     for (int d = 0; d < s->dimensions && square < most; d++) {
-        const double apart = space_value(s, i, d) - space_value(s, j, d);
-        square += apart * apart;
+        const double difference = space_value(s, i, d) - space_value(s, j, d);
+        square += difference * difference;
     }
-    if (!(square > 0 && square < most) || (j > i ? j - i : i - j) <= s->apart)
+    if (!(square > 0 && square < most) || (j > i ? j - i : i - j) <= s->theiler_window)
         return;
     int k = f->count < wanted ? f->count++ : f->count - 1;
     for (; k > 0 && f->square[k - 1] > square; k--) {

@@ -43,14 +43,14 @@ static bool set_undetermined(struct series_exponent *found, const char *format, 
 /* ---- requirements ---- */
 
 /* Mean and standard deviation of a part of the series. */
-struct part {
+struct part_moments {
     double mean, sigma;
 };
 
 /* Returns mean and standard deviation of samples begin to end - 1. */
-static struct part series_part_of(const double *y, size_t begin, size_t end)
+static struct part_moments moments_of_part(const double *y, size_t begin, size_t end)
 {
-    struct part p = {0};
+    struct part_moments p = {0};
     const double n = (double)(end - begin);
     for (size_t i = begin; i < end; i++)
         p.mean += y[i] / n;
@@ -65,8 +65,8 @@ static bool is_steady(const struct samples *x, struct series_exponent *found)
 {
     double low = HUGE_VAL, high = 0, left = HUGE_VAL, right = -HUGE_VAL;
     for (size_t k = 0; k < SERIES_PARTS; k++) {
-        const struct part p =
-            series_part_of(x->y, k * x->n / SERIES_PARTS, (k + 1) * x->n / SERIES_PARTS);
+        const struct part_moments p =
+            moments_of_part(x->y, k * x->n / SERIES_PARTS, (k + 1) * x->n / SERIES_PARTS);
         low = fmin(low, p.sigma);
         high = fmax(high, p.sigma);
         left = fmin(left, p.mean);
@@ -98,7 +98,7 @@ static size_t count_turns(const struct samples *x, double mean, double *turn)
 
 /* Returns true if the series can be analysed; otherwise stores the reason. Sets *turn as
  * count_turns(). */
-static bool is_suitable(const struct samples *x, const struct part *whole, double *turn,
+static bool is_suitable(const struct samples *x, const struct part_moments *moments, double *turn,
                         struct series_exponent *found)
 {
     if (x->n < EXPONENT_SAMPLES)
@@ -108,11 +108,11 @@ static bool is_suitable(const struct samples *x, const struct part *whole, doubl
         return !set_undetermined(
             found, "the samples are not evenly spaced in time (of a run: a method with fixed "
                    "steps)");
-    if (!(whole->sigma > 1e-12 * fabs(whole->mean)) || !isfinite(whole->sigma))
+    if (!(moments->sigma > 1e-12 * fabs(moments->mean)) || !isfinite(moments->sigma))
         return !set_undetermined(found, "nothing moves");
     if (!is_steady(x, found))
         return false;
-    const size_t turns = count_turns(x, whole->mean, turn);
+    const size_t turns = count_turns(x, moments->mean, turn);
     if (turns < MEAN_CROSSINGS_MIN)
         return !set_undetermined(found, "the motion turns only %zu times; %d turns are needed",
                                  turns, MEAN_CROSSINGS_MIN);
@@ -251,12 +251,12 @@ bool series_exponent(const struct series *series, struct arena *arena,
     if (!samples_init(&x, series, arena))
         return cancelled(series->cancel) ? error_set(error, ERROR_CANCELLED, "stopped")
                                          : error_memory(error);
-    const struct part whole = series_part_of(x.y, 0, x.n);
-    if (!is_suitable(&x, &whole, &turn, found))
+    const struct part_moments moments = moments_of_part(x.y, 0, x.n);
+    if (!is_suitable(&x, &moments, &turn, found))
         return true;
-    struct delay_space space = {.y = x.y, .apart = (size_t)turn, .cancel = series->cancel};
-    found->apart = turn * x.dt;
-    bool fine = choose_embedding(&space, &x, whole.sigma, arena, found);
+    struct delay_space space = {.y = x.y, .theiler_window = (size_t)turn, .cancel = series->cancel};
+    found->theiler_window = turn * x.dt;
+    bool fine = choose_embedding(&space, &x, moments.sigma, arena, found);
     if (fine && found->dimensions > 0) {
         const double ratio = prediction_ratio(&space, x.n, (size_t)space.delay);
         if (!(ratio < PREDICTION_ERROR_RATIO))

@@ -29,10 +29,10 @@
 struct series_exponent {
     struct measured value; /* [1/s] NAN if not determined */
     bool determined;
-    char reason[200]; /* reason if it is not determined */
-    double delay;     /* [s] 0, as all members below, if the analysis ended before */
-    int dimensions;   /* number of delayed values in a vector */
-    double apart;     /* [s] smallest distance of neighbours in time (Theiler window) */
+    char reason[200];      /* reason if it is not determined */
+    double delay;          /* [s] 0, as all members below, if the analysis ended before */
+    int dimensions;        /* number of delayed values in a vector */
+    double theiler_window; /* [s] smallest distance of neighbours in time (Theiler window) */
     /* [s] range of times, since two vectors were neighbours, in which distances grow
      * exponentially */
     double t_begin, t_end;

@@ -16,11 +16,11 @@ struct series_exponent;
 /* The vectors of a series: vector i is y[i], y[i + delay], … */
 struct delay_space {
     const double *y;
-    size_t points;    /* number of vectors, from the first on, that may be neighbours */
-    int delay;        /* [samples] */
-    int dimensions;   /* number of values in a vector */
-    size_t apart;     /* [samples] Theiler window: neighbours are farther apart in time */
-    size_t n, *order; /* [n] indices of the values of y in ascending order, see space_sort() */
+    size_t points;         /* number of vectors, from the first on, that may be neighbours */
+    int delay;             /* [samples] */
+    int dimensions;        /* number of values in a vector */
+    size_t theiler_window; /* [samples] Theiler window: neighbours are farther apart in time */
+    size_t n, *order;      /* [n] indices of the values of y in ascending order, see space_sort() */
     const struct cancel *cancel;
 };
 
@@ -35,8 +35,8 @@ static inline double space_distance2(const struct delay_space *s, size_t i, size
 {
     double sum = 0;
     for (int d = 0; d < s->dimensions; d++) {
-        const double apart = space_value(s, i, d) - space_value(s, j, d);
-        sum += apart * apart;
+        const double difference = space_value(s, i, d) - space_value(s, j, d);
+        sum += difference * difference;
     }
     return sum;
 }
@@ -76,7 +76,7 @@ struct divergence {
     double *part;         /* [DIVERGENCE_PARTS][steps] of successive parts of the series */
     size_t pairs;         /* number of pairs of neighbours */
     double last;          /* mean over the last quarter of the steps */
-    double apart; /* mean ln(distance) between random vectors, or `last` if that is smaller */
+    double saturation; /* mean ln(distance) between random vectors, or `last` if that is smaller */
 };
 
 #define DIVERGENCE_PARTS 8

@@ -75,11 +75,11 @@ static bool bind_damping(const struct noise_request *request, struct noise_forci
                          struct error *error)
 {
     const struct system *system = &forcing->system;
-    double own[LIMIT_VARIABLES] = {0};
-    const bool known = linear_damping(system, own);
+    double scene_gamma[LIMIT_VARIABLES] = {0};
+    const bool known = linear_damping(system, scene_gamma);
     const bool stated = !isnan(request->gamma);
     if (!known)
-        memset(own, 0, sizeof own);
+        memset(scene_gamma, 0, sizeof scene_gamma);
     if (!known && !stated && request->strengths == 0) {
         error_set(error, ERROR_COMMAND,
                   "the scene's damping depends on more than the velocity, so it belongs to no "
@@ -87,15 +87,15 @@ static bool bind_damping(const struct noise_request *request, struct noise_forci
         return error_hint(error, "gamma=V adds a damping with its own noise");
     }
     for (int i = 0; i < forcing->count; i++) {
-        forcing->gamma[i] = stated ? request->gamma : own[i];
-        forcing->extra[i] = stated ? request->gamma - own[i] : 0;
+        forcing->gamma[i] = stated ? request->gamma : scene_gamma[i];
+        forcing->extra[i] = stated ? request->gamma - scene_gamma[i] : 0;
         if (request->strengths == 0 && !(forcing->gamma[i] > 0)) {
             error_set(error, ERROR_COMMAND, "a temperature needs damping, but that of %s is %g 1/s",
                       system_variable(system, i).name, forcing->gamma[i]);
             return error_hint(error, "gamma=V sets a damping, noise=V sets the noise directly");
         }
     }
-    forcing->other_drag = has_other_drag(system, own);
+    forcing->other_drag = has_other_drag(system, scene_gamma);
     return true;
 }
 

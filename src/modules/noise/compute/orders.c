@@ -57,7 +57,7 @@ static void fill_increments(const struct orders_work *work, int64_t path, int64_
 static void follow_increments(const struct orders_work *work, const double *increment,
                               int64_t together, double h, int sign, double *y)
 {
-    enum { LOOK_EACH_STEPS = 1024 };
+    enum { CANCEL_CHECK_STEPS = 1024 };
     const struct noise_forcing *forcing = work->request->forcing;
     const int count = forcing->count;
     struct noise_stepper stepper;
@@ -68,7 +68,7 @@ static void follow_increments(const struct orders_work *work, const double *incr
         double noise[LIMIT_VARIABLES] = {0};
         for (int64_t k = 0; k < together * count; k++)
             noise[k % count] += sign * increment[k];
-        if ((i % LOOK_EACH_STEPS == 0 && cancelled(work->cancel)) ||
+        if ((i % CANCEL_CHECK_STEPS == 0 && cancelled(work->cancel)) ||
             !noise_stepper_step(&stepper, forcing->system.t0 + (double)i * h, y, noise)) {
             y[0] = NAN;
             return;

@@ -99,7 +99,7 @@ int64_t noise_path_follow(const struct path_request *request, uint64_t path, dou
                           void (*row)(void *context, size_t row, double t, const double *y),
                           void *context)
 {
-    enum { LOOK_EACH_STEPS = 1024 };
+    enum { CANCEL_CHECK_STEPS = 1024 };
     const struct noise_forcing *forcing = request->forcing;
     const struct path_grid *grid = &request->grid;
     const double root = sqrt(grid->h);
@@ -110,7 +110,7 @@ int64_t noise_path_follow(const struct path_request *request, uint64_t path, dou
     if (row)
         row(context, 0, grid->t0, y);
     for (int64_t i = 0; i < grid->steps; i++) {
-        if (i % LOOK_EACH_STEPS == 0 && cancelled(request->cancel))
+        if (i % CANCEL_CHECK_STEPS == 0 && cancelled(request->cancel))
             return i;
         noise_normal_numbers(request->seed, path, (uint64_t)i, forcing->count, noise);
         for (int k = 0; k < forcing->count; k++)
@@ -131,26 +131,26 @@ int64_t noise_path_follow(const struct path_request *request, uint64_t path, dou
  * Returns false if it diverges or if cancelled. */
 static bool follow_halves(const struct path_request *request, uint64_t path, double *y)
 {
-    enum { LOOK_EACH_STEPS = 1024 };
+    enum { CANCEL_CHECK_STEPS = 1024 };
     static const uint64_t bridge_paths = (uint64_t)1
                                          << 31; /* numbers of paths that no ensemble uses */
     const struct noise_forcing *forcing = request->forcing;
     const struct path_grid *grid = &request->grid;
     const double root = sqrt(grid->h), half = grid->h / 2;
     struct noise_stepper stepper;
-    double whole[LIMIT_VARIABLES], bridge[LIMIT_VARIABLES], noise[2][LIMIT_VARIABLES];
+    double increment[LIMIT_VARIABLES], bridge[LIMIT_VARIABLES], noise[2][LIMIT_VARIABLES];
     noise_stepper_begin(&stepper, forcing, request->method, half);
     memcpy(y, forcing->system.start, (size_t)forcing->system.n * sizeof *y);
     for (int64_t i = 0; i < grid->steps; i++) {
         const double t = grid->t0 + (double)i * grid->h;
-        if (i % LOOK_EACH_STEPS == 0 && cancelled(request->cancel))
+        if (i % CANCEL_CHECK_STEPS == 0 && cancelled(request->cancel))
             return false;
-        noise_normal_numbers(request->seed, path, (uint64_t)i, forcing->count, whole);
+        noise_normal_numbers(request->seed, path, (uint64_t)i, forcing->count, increment);
         noise_normal_numbers(request->seed, path + bridge_paths, (uint64_t)i, forcing->count,
                              bridge);
         for (int k = 0; k < forcing->count; k++) {
-            noise[0][k] = root / 2 * (whole[k] + bridge[k]);
-            noise[1][k] = root / 2 * (whole[k] - bridge[k]);
+            noise[0][k] = root / 2 * (increment[k] + bridge[k]);
+            noise[1][k] = root / 2 * (increment[k] - bridge[k]);
         }
         if (!noise_stepper_step(&stepper, t, y, noise[0]) ||
             !noise_stepper_step(&stepper, t + half, y, noise[1]))

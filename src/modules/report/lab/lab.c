@@ -244,16 +244,17 @@ static bool put_table(struct report *report, const char *name, const struct tabl
 {
     struct buffer content = {0};
     struct writer file;
-    struct table whole = *table;
-    whole.cancel = report->session->front.cancel;
+    struct table cancellable = *table;
+    cancellable.cancel = report->session->front.cancel;
     if (!report->put) {
         report->files++;
         return folder_file_open(report->folder, name, &file, error) &&
-               table_send(&whole, table_csv, &file, error);
+               table_send(&cancellable, table_csv, &file, error);
     }
-    table_put(&whole, table_csv, &content);
-    const bool ok = (!cancelled(whole.cancel) || error_set(error, ERROR_CANCELLED, "stopped")) &&
-                    report_put(report, name, &content, error);
+    table_put(&cancellable, table_csv, &content);
+    const bool ok =
+        (!cancelled(cancellable.cancel) || error_set(error, ERROR_CANCELLED, "stopped")) &&
+        report_put(report, name, &content, error);
     buffer_free(&content);
     return ok;
 }

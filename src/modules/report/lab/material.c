@@ -46,14 +46,14 @@ static double median_deviation(struct arena *arena, const double *y, size_t n)
  * last, or NAN if the recording is too short. */
 static double amplitude_loss(const struct recording *recording)
 {
-    struct recording whole = *recording;
+    struct recording unwindowed = *recording;
     struct arena arena = {0};
     struct series series;
     struct error error = {0};
     double lost = NAN;
-    whole.window[0] = -HUGE_VAL;
-    whole.window[1] = HUGE_VAL;
-    if (recording_series(&whole, &arena, 4 * RECORDING_PARTS, &series, &error)) {
+    unwindowed.window[0] = -HUGE_VAL;
+    unwindowed.window[1] = HUGE_VAL;
+    if (recording_series(&unwindowed, &arena, 4 * RECORDING_PARTS, &series, &error)) {
         const size_t n = series.n / RECORDING_PARTS;
         lost = 1 - median_deviation(&arena, series.y + series.n - n, n) /
                        median_deviation(&arena, series.y, n);
@@ -189,12 +189,12 @@ bool same_motion(const struct run *a, const struct run *b)
  * `one_by_one`, in any other run. */
 static bool is_compared(const struct session *session, int index, bool one_by_one)
 {
-    const struct run_slot *own = session->runs.slot[index];
+    const struct run_slot *slot = session->runs.slot[index];
     for (int i = 0; i < session->runs.count; i++) {
         const struct run_slot *other = session->runs.slot[i];
-        if (other->run->method != own->run->method &&
-            (other->statement == own->statement ||
-             (one_by_one && same_motion(other->run, own->run))))
+        if (other->run->method != slot->run->method &&
+            (other->statement == slot->statement ||
+             (one_by_one && same_motion(other->run, slot->run))))
             return true;
     }
     return false;

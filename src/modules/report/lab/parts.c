@@ -288,8 +288,9 @@ void put_runs(struct report *report, const int *run, int runs, bool distance)
         if (data >= 0) {
             struct recording *recording = report->session->recording[data]->recording;
             document_open(document, BLOCK_CELL);
-            const struct data_distance apart = run_data_distance(one, recording);
-            document_measured(document, (struct measured){apart.rms, 0}, apart.quantity, 3);
+            const struct data_distance distance_found = run_data_distance(one, recording);
+            document_measured(document, (struct measured){distance_found.rms, 0},
+                              distance_found.quantity, 3);
             document_say(document, ", ");
             document_name(document, text_of(recording->name));
             document_close(document, BLOCK_CELL);
@@ -313,9 +314,9 @@ int recording_beside(struct report *report, int run, enum plot_kind kind)
     const struct session *session = report->session;
     int nearest = -1;
     double min = HUGE_VAL;
-    const int own = recording_of(report, session->runs.slot[run]->run);
+    const int fitted = recording_of(report, session->runs.slot[run]->run);
     for (int i = 0; i < session->recordings; i++) {
-        if (own >= 0 && i != own)
+        if (fitted >= 0 && i != fitted)
             continue;
         report->view->runs.current = run;
         report->view->current_recording = i;

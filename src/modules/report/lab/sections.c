@@ -207,11 +207,11 @@ static bool energy_section_put(struct report *report, const struct material *m, 
 static bool is_first_of_its_motion(const struct report *report, const struct material *m,
                                    const int *run, int i)
 {
-    const struct run *own = run_at(report, run[i]);
-    if (m->euler >= 0 && same_motion(run_at(report, m->euler), own))
+    const struct run *this_run = run_at(report, run[i]);
+    if (m->euler >= 0 && same_motion(run_at(report, m->euler), this_run))
         return false;
     for (int k = 0; k < i; k++)
-        if (same_motion(run_at(report, run[k]), own))
+        if (same_motion(run_at(report, run[k]), this_run))
             return false;
     return true;
 }

@@ -2,7 +2,7 @@
 /* Stores results for the present equations, finds them again, and drops them when the equations
  * change. */
 #include "modules/solving/compute/start.h"
-#include "modules/dynamics/kept.h"
+#include "modules/dynamics/dynamics_results.h"
 #include <hooke/scene/poles.h>
 
 #include <ctype.h>
@@ -50,21 +50,21 @@ const struct dynamics *session_dynamics(const struct session *session)
     return same ? dynamics : NULL;
 }
 
-static void free_equilibria(struct kept_equilibria *kept)
+static void free_equilibria(struct stored_equilibria *stored)
 {
-    free(kept->value);
-    free(kept->solution);
-    free(kept->form);
-    *kept = (struct kept_equilibria){.id = 0};
+    free(stored->value);
+    free(stored->solution);
+    free(stored->form);
+    *stored = (struct stored_equilibria){.id = 0};
 }
 
-static void free_orbit(struct kept_orbit *orbit)
+static void free_orbit(struct stored_orbit *orbit)
 {
     free(orbit->value);
     free(orbit->sample);
 }
 
-static void free_branch(struct kept_branch *branch)
+static void free_branch(struct stored_branch *branch)
 {
     branch_free(&branch->branch);
     free(branch->value);
@@ -139,8 +139,8 @@ static bool same_solution(const struct solution *a, const struct solution *b)
 /* ---- equilibria and orbits ---- */
 
 /* Copies the equilibria and the parameters with which they were found, in place of earlier ones. */
-bool dynamics_keep_equilibria(struct session *session, const struct equilibria *found,
-                              struct error *error)
+bool dynamics_store_equilibria(struct session *session, const struct equilibria *found,
+                               struct error *error)
 {
     struct dynamics *dynamics = dynamics_for(session);
     const size_t count = (size_t)found->count;
@@ -158,13 +158,13 @@ bool dynamics_keep_equilibria(struct session *session, const struct equilibria *
         form[i] = found->form[i];
     }
     free_equilibria(&dynamics->equilibria);
-    dynamics->equilibria = (struct kept_equilibria){.id = dynamics->next_id++,
-                                                    .value = value,
-                                                    .count = found->count,
-                                                    .solution = solution,
-                                                    .form = form,
-                                                    .forced = found->forced,
-                                                    .complete = found->complete};
+    dynamics->equilibria = (struct stored_equilibria){.id = dynamics->next_id++,
+                                                      .value = value,
+                                                      .count = found->count,
+                                                      .solution = solution,
+                                                      .form = form,
+                                                      .forced = found->forced,
+                                                      .complete = found->complete};
     session_changed(session);
     return true;
 }
@@ -174,9 +174,9 @@ static int find_same_orbit(const struct dynamics *dynamics, const double *value,
                            const struct solution *orbit)
 {
     for (int i = 0; i < dynamics->orbits; i++) {
-        const struct kept_orbit *kept = &dynamics->orbit[i];
-        if (memcmp(kept->value, value, (size_t)dynamics->params * sizeof *value) == 0 &&
-            same_solution(&kept->solution, orbit))
+        const struct stored_orbit *stored = &dynamics->orbit[i];
+        if (memcmp(stored->value, value, (size_t)dynamics->params * sizeof *value) == 0 &&
+            same_solution(&stored->solution, orbit))
             return i;
     }
     return -1;
@@ -184,8 +184,9 @@ static int find_same_orbit(const struct dynamics *dynamics, const double *value,
 
 /* Copies an orbit behind the others, and removes the same one or, if all places are taken, the
  * oldest. */
-const struct kept_orbit *dynamics_keep_orbit(struct session *session, const struct solution *orbit,
-                                             int samples, const double *sample, struct error *error)
+const struct stored_orbit *dynamics_store_orbit(struct session *session,
+                                                const struct solution *orbit, int samples,
+                                                const double *sample, struct error *error)
 {
     struct dynamics *dynamics = dynamics_for(session);
     const size_t bytes = (size_t)samples * (size_t)(orbit->n + 1) * sizeof *sample;
@@ -208,18 +209,18 @@ const struct kept_orbit *dynamics_keep_orbit(struct session *session, const stru
         memmove(&dynamics->orbit[goes], &dynamics->orbit[goes + 1],
                 (size_t)(dynamics->orbits - goes) * sizeof *dynamics->orbit);
     }
-    struct kept_orbit *kept = &dynamics->orbit[dynamics->orbits++];
-    *kept = (struct kept_orbit){.id = dynamics->next_id++,
-                                .number = number,
-                                .value = value,
-                                .solution = *orbit,
-                                .samples = samples,
-                                .sample = copy};
+    struct stored_orbit *stored = &dynamics->orbit[dynamics->orbits++];
+    *stored = (struct stored_orbit){.id = dynamics->next_id++,
+                                    .number = number,
+                                    .value = value,
+                                    .solution = *orbit,
+                                    .samples = samples,
+                                    .sample = copy};
     session_changed(session);
-    return kept;
+    return stored;
 }
 
-const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int number)
+const struct stored_orbit *dynamics_orbit(const struct dynamics *dynamics, int number)
 {
     for (int i = 0; dynamics && i < dynamics->orbits; i++)
         if (dynamics->orbit[i].number == number)
@@ -230,8 +231,8 @@ const struct kept_orbit *dynamics_orbit(const struct dynamics *dynamics, int num
 /* ---- branches ---- */
 
 /* Returns true if both branches vary the same parameters and all other values are the same. */
-static bool same_setting(const struct dynamics *dynamics, const struct kept_branch *a,
-                         const struct kept_branch *b)
+static bool same_setting(const struct dynamics *dynamics, const struct stored_branch *a,
+                         const struct stored_branch *b)
 {
     bool same = a->params == b->params;
     for (int j = 0; j < a->params && same; j++)
@@ -243,10 +244,11 @@ static bool same_setting(const struct dynamics *dynamics, const struct kept_bran
 }
 
 /* Returns true if point p of branch a and point q of branch b are the same special point. */
-static bool same_point(const struct kept_branch *a, const struct kept_point *p,
-                       const struct kept_branch *b, const struct kept_point *q)
+static bool same_point(const struct stored_branch *a, const struct stored_point *p,
+                       const struct stored_branch *b, const struct stored_point *q)
 {
-    const struct solution *s = &kept_point_at(a, p)->solution, *t = &kept_point_at(b, q)->solution;
+    const struct solution *s = &stored_point_at(a, p)->solution,
+                          *t = &stored_point_at(b, q)->solution;
     bool same = p->special == q->special && same_solution(s, t);
     for (int j = 0; j < a->params && same; j++)
         same = fabs(s->param[j] - t->param[j]) <=
@@ -255,11 +257,11 @@ static bool same_point(const struct kept_branch *a, const struct kept_point *p,
 }
 
 /* Returns the number in the label of the same point on a stored branch, or 0 if there is none. */
-static int known_number(const struct dynamics *dynamics, const struct kept_branch *branch,
-                        const struct kept_point *point)
+static int known_number(const struct dynamics *dynamics, const struct stored_branch *branch,
+                        const struct stored_point *point)
 {
     for (int b = dynamics->branches; b-- > 0;) {
-        const struct kept_branch *other = dynamics->branch[b];
+        const struct stored_branch *other = dynamics->branch[b];
         for (int k = 0; k < other->specials && same_setting(dynamics, branch, other); k++)
             if (same_point(branch, point, other, &other->special[k]))
                 return other->special[k].number;
@@ -269,7 +271,7 @@ static int known_number(const struct dynamics *dynamics, const struct kept_branc
 
 /* Fills branch->special with the special points and their labels. Returns false if out of
  * memory. */
-static bool label_points(struct dynamics *dynamics, struct kept_branch *branch)
+static bool label_points(struct dynamics *dynamics, struct stored_branch *branch)
 {
     int count = 0;
     for (int i = 0; i < branch->branch.count; i++)
@@ -281,8 +283,8 @@ static bool label_points(struct dynamics *dynamics, struct kept_branch *branch)
         const enum special special = branch->branch.point[i].special;
         if (special == SPECIAL_NONE)
             continue;
-        struct kept_point *point = &branch->special[branch->specials];
-        *point = (struct kept_point){.index = i, .special = special};
+        struct stored_point *point = &branch->special[branch->specials];
+        *point = (struct stored_point){.index = i, .special = special};
         point->number = known_number(dynamics, branch, point);
         if (point->number == 0)
             point->number = dynamics->next_point[special]++;
@@ -293,17 +295,17 @@ static bool label_points(struct dynamics *dynamics, struct kept_branch *branch)
 
 /* Takes over a branch with labels for its special points, and removes the oldest if all places are
  * taken. */
-struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_branch *like,
-                                         const double *value, struct error *error)
+struct stored_branch *dynamics_store_branch(struct session *session, struct stored_branch *like,
+                                            const double *value, struct error *error)
 {
     struct dynamics *dynamics = dynamics_for(session);
-    struct kept_branch *kept = malloc(sizeof *kept);
+    struct stored_branch *stored = malloc(sizeof *stored);
     like->value = copy_values(session, value);
     like->special = NULL;
     like->specials = 0;
-    if (!dynamics || !kept || !like->value || !label_points(dynamics, like)) {
+    if (!dynamics || !stored || !like->value || !label_points(dynamics, like)) {
         free_branch(like);
-        free(kept);
+        free(stored);
         error_memory(error);
         return NULL;
     }
@@ -314,27 +316,28 @@ struct kept_branch *dynamics_keep_branch(struct session *session, struct kept_br
         memmove(dynamics->branch, dynamics->branch + 1,
                 (LIMIT_BRANCHES - 1) * sizeof(dynamics->branch[0]));
     }
-    *kept = *like;
-    kept->id = dynamics->next_id++;
-    kept->number = dynamics->next_branch++;
-    dynamics->branch[dynamics->branches++] = kept;
+    *stored = *like;
+    stored->id = dynamics->next_id++;
+    stored->number = dynamics->next_branch++;
+    dynamics->branch[dynamics->branches++] = stored;
     session_changed(session);
-    return kept;
+    return stored;
 }
 
 /* Searches the latest branch first, and compares labels without regard to case. */
-const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct text label,
-                                        const struct kept_branch **branch)
+const struct stored_point *dynamics_point(const struct dynamics *dynamics, struct text label,
+                                          const struct stored_branch **branch)
 {
     for (int b = dynamics ? dynamics->branches : 0; b-- > 0;)
         for (int k = 0; k < dynamics->branch[b]->specials; k++) {
-            const struct kept_point *point = &dynamics->branch[b]->special[k];
-            char own[KEPT_LABEL];
-            kept_point_label(point, own);
+            const struct stored_point *point = &dynamics->branch[b]->special[k];
+            char candidate[POINT_LABEL_SIZE];
+            stored_point_label(point, candidate);
             size_t i = 0;
-            while (i < label.len && own[i] && toupper((unsigned char)label.data[i]) == own[i])
+            while (i < label.len && candidate[i] &&
+                   toupper((unsigned char)label.data[i]) == candidate[i])
                 i++;
-            if (i == label.len && !own[i]) {
+            if (i == label.len && !candidate[i]) {
                 *branch = dynamics->branch[b];
                 return point;
             }
@@ -342,9 +345,9 @@ const struct kept_point *dynamics_point(const struct dynamics *dynamics, struct 
     return NULL;
 }
 
-void kept_point_label(const struct kept_point *point, char label[KEPT_LABEL])
+void stored_point_label(const struct stored_point *point, char label[POINT_LABEL_SIZE])
 {
-    snprintf(label, KEPT_LABEL, "%s%d",
+    snprintf(label, POINT_LABEL_SIZE, "%s%d",
              catalog_row(&special_catalog, (size_t)point->special - 1)->name, point->number);
 }
 
@@ -357,7 +360,7 @@ void dynamics_scene(const struct session *session, const double *value, struct s
         scene_take_value(scene, i, value[i]);
 }
 
-void dynamics_scene_at(const struct session *session, const struct kept_branch *branch, int index,
+void dynamics_scene_at(const struct session *session, const struct stored_branch *branch, int index,
                        struct scene *scene)
 {
     dynamics_scene(session, branch->value, scene);

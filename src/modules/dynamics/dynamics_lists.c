@@ -77,12 +77,12 @@ static double largest_state(const struct branch *branch, int i)
 
 /* Adds the row of a special point to a table. `periods` is true if the table has that column. */
 static void put_point(struct text_table *table, const struct scene *scene,
-                      const struct system *system, const struct kept_branch *branch,
-                      const struct kept_point *point, bool periods)
+                      const struct system *system, const struct stored_branch *branch,
+                      const struct stored_point *point, bool periods)
 {
-    const struct branch_point *special = kept_point_at(branch, point);
-    char label[KEPT_LABEL];
-    kept_point_label(point, label);
+    const struct branch_point *special = stored_point_at(branch, point);
+    char label[POINT_LABEL_SIZE];
+    stored_point_label(point, label);
     cell_text(table, label);
     cell_point_type(table, special);
     struct buffer where = {0};
@@ -111,18 +111,18 @@ static void put_point(struct text_table *table, const struct scene *scene,
 }
 
 /* Appends what contradicts a special point, if runs on both sides do. */
-static void put_contradiction(const struct kept_branch *branch, const struct kept_point *point,
+static void put_contradiction(const struct stored_branch *branch, const struct stored_point *point,
                               struct buffer *output)
 {
-    const char *contradiction = branch_contradiction(kept_point_at(branch, point)->verified);
-    char label[KEPT_LABEL];
-    kept_point_label(point, label);
+    const char *contradiction = branch_contradiction(stored_point_at(branch, point)->verified);
+    char label[POINT_LABEL_SIZE];
+    stored_point_label(point, label);
     if (contradiction)
         buffer_format(output, "%s: NO, as %s\n", label, contradiction);
 }
 
 /* Appends one table with the special points of several branches, then what contradicts them. */
-void put_points(const struct session *session, const struct kept_branch *const *branch, int count,
+void put_points(const struct session *session, const struct stored_branch *const *branch, int count,
                 struct arena *arena, struct buffer *output)
 {
     const struct scene *scene = &session->setup.scene;
@@ -133,7 +133,7 @@ void put_points(const struct session *session, const struct kept_branch *const *
         specials += branch[b]->specials;
         for (int k = 0; k < branch[b]->specials; k++)
             periods =
-                periods || kept_point_at(branch[b], &branch[b]->special[k])->solution.period > 0;
+                periods || stored_point_at(branch[b], &branch[b]->special[k])->solution.period > 0;
     }
     if (specials == 0)
         return;
@@ -159,13 +159,13 @@ void put_points(const struct session *session, const struct kept_branch *const *
 
 /* Adds the record of a special point. */
 static void reply_point(const struct scene *scene, const struct system *system,
-                        const struct kept_branch *branch, const struct kept_point *point,
+                        const struct stored_branch *branch, const struct stored_point *point,
                         struct reply *reply)
 {
-    const struct branch_point *special = kept_point_at(branch, point);
+    const struct branch_point *special = stored_point_at(branch, point);
     const struct solution *s = &special->solution;
-    char label[KEPT_LABEL];
-    kept_point_label(point, label);
+    char label[POINT_LABEL_SIZE];
+    stored_point_label(point, label);
     reply_begin(reply, "branch-point");
     reply_string(reply, "label", label);
     reply_string(reply, "type", special_types[point->special]);
@@ -190,7 +190,7 @@ static void reply_point(const struct scene *scene, const struct system *system,
     reply_end(reply);
 }
 
-void reply_points(const struct session *session, const struct kept_branch *branch,
+void reply_points(const struct session *session, const struct stored_branch *branch,
                   struct reply *reply)
 {
     const struct scene *scene = &session->setup.scene;
@@ -238,7 +238,7 @@ bool dynamics_list_equilibria(struct session *session, struct arena *arena, stru
 
 /* Adds the row of an orbit to the table. */
 static void put_orbit_row(struct text_table *table, const struct system *system,
-                          const struct kept_orbit *orbit)
+                          const struct stored_orbit *orbit)
 {
     const struct solution *s = &orbit->solution;
     cell_count(table, orbit->number);
@@ -284,11 +284,11 @@ bool dynamics_list_orbits(struct session *session, struct arena *arena, struct r
 }
 
 /* Appends the labels of all special points of a branch. */
-static void put_labels(struct buffer *output, const struct kept_branch *b)
+static void put_labels(struct buffer *output, const struct stored_branch *b)
 {
     for (int k = 0; k < b->specials; k++) {
-        char label[KEPT_LABEL];
-        kept_point_label(&b->special[k], label);
+        char label[POINT_LABEL_SIZE];
+        stored_point_label(&b->special[k], label);
         buffer_format(output, "%s%s", k ? " " : "", label);
     }
 }
@@ -306,7 +306,7 @@ bool dynamics_list_branches(struct session *session, struct arena *arena, struct
     for (size_t i = 0; i < COUNT_OF(heads); i++)
         cell_text(&table, heads[i]);
     for (int k = 0; k < d->branches; k++) {
-        const struct kept_branch *b = d->branch[k];
+        const struct stored_branch *b = d->branch[k];
         struct buffer labels = {0};
         cell_count(&table, b->number);
         cell_text(&table, b->origin);
@@ -319,7 +319,7 @@ bool dynamics_list_branches(struct session *session, struct arena *arena, struct
     }
     text_table_put(&table, reply_buffer(reply));
     for (int k = 0; k < d->branches; k++) {
-        const struct kept_branch *b = d->branch[k];
+        const struct stored_branch *b = d->branch[k];
         struct buffer labels = {0};
         put_labels(&labels, b);
         reply_begin(reply, "kept-branch");
@@ -345,7 +345,7 @@ bool dynamics_list_points(struct session *session, struct arena *arena, struct r
         points += d->branch[k]->specials;
     if (points == 0)
         return list_none(reply, "special points", "branch NAME=FROM:TO");
-    put_points(session, (const struct kept_branch *const *)d->branch, d->branches, arena,
+    put_points(session, (const struct stored_branch *const *)d->branch, d->branches, arena,
                reply_buffer(reply));
     for (int k = 0; k < d->branches; k++)
         reply_points(session, d->branch[k], reply);
@@ -356,7 +356,7 @@ bool dynamics_list_points(struct session *session, struct arena *arena, struct r
 
 /* Finds an equilibrium by its number; NULL stands for the first. */
 bool find_equilibrium(const struct session *session, const struct dynamics *d,
-                      const struct item *number, struct kept_reference *found, struct error *error)
+                      const struct item *number, struct stored_solution *found, struct error *error)
 {
     const int count = d ? d->equilibria.count : 0;
     const double n = number ? number->value.value : 1;
@@ -373,7 +373,7 @@ bool find_equilibrium(const struct session *session, const struct dynamics *d,
 
 /* Finds an orbit by its number; NULL stands for the latest. */
 bool find_orbit(const struct session *session, const struct dynamics *d, const struct item *number,
-                struct kept_reference *found, struct error *error)
+                struct stored_solution *found, struct error *error)
 {
     const double n = number ? number->value.value : 0;
     found->orbit = n >= 1 && n <= INT32_MAX ? dynamics_orbit(d, (int)n) : NULL;
@@ -390,11 +390,11 @@ bool find_orbit(const struct session *session, const struct dynamics *d, const s
 
 /* Suggests a label that is spelled alike if there is none. */
 bool find_label(const struct session *session, const struct dynamics *d, struct text label,
-                struct kept_reference *found, struct error *error)
+                struct stored_solution *found, struct error *error)
 {
     found->point = dynamics_point(d, label, &found->branch);
     if (found->point) {
-        found->solution = kept_point_at(found->branch, found->point)->solution;
+        found->solution = stored_point_at(found->branch, found->point)->solution;
         dynamics_scene_at(session, found->branch, found->point->index, &found->scene);
         return true;
     }
@@ -404,9 +404,9 @@ bool find_label(const struct session *session, const struct dynamics *d, struct 
              label.data);
     for (int b = 0; d && b < d->branches; b++)
         for (int k = 0; k < d->branch[b]->specials; k++) {
-            char own[KEPT_LABEL];
-            kept_point_label(&d->branch[b]->special[k], own);
-            suggestion_offer(&suggestion, own);
+            char candidate[POINT_LABEL_SIZE];
+            stored_point_label(&d->branch[b]->special[k], candidate);
+            suggestion_offer(&suggestion, candidate);
             any = true;
         }
     suggestion_hint(&suggestion, error);
@@ -429,13 +429,13 @@ static void put_changes(const struct scene *previous, const struct scene *now,
 
 /* Takes the parameters and the state of a stored solution into the scene, and tells which have
  * changed. */
-bool use_kept(HANDLER_PARAMETERS)
+bool use_stored_solution(HANDLER_PARAMETERS)
 {
     const struct argument_value *label = argument_value(args, "N|LABEL"),
                                 *orbit = argument_value(args, "orbit"),
                                 *equilibrium = argument_value(args, "equilibrium");
     const struct dynamics *d = session_dynamics(session);
-    struct kept_reference found = {.orbit = NULL};
+    struct stored_solution found = {.orbit = NULL};
     bool ok;
     if (label->count)
         ok = find_label(session, d, label->item->text, &found, error);
