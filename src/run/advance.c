@@ -82,6 +82,7 @@ static enum stop segment_begin(struct run *run, const struct run_target *target,
     return events_begin(run, segment) ? STOP_NONE : STOP_FULL;
 }
 
+/* A comparison with NaN is false, so that states which are not finite are out of bounds. */
 bool run_in_bounds(const struct run *run, const double *y)
 {
     const double *bound = run->private_state->bound;
@@ -243,6 +244,7 @@ static enum step_status step_once(struct run *run, const struct segment *segment
     return method_turning_step(run->method, step);
 }
 
+/* Returns the reason for which a run stops after a step of that status; STOP_NONE for STEP_OK. */
 enum stop stop_of_step(enum step_status status)
 {
     static const enum stop stop[] = {[STEP_OK] = STOP_NONE,

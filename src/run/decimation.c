@@ -322,6 +322,7 @@ static void merge_enough(struct trace *trace)
     trace_find_tail(trace, *row_step_address(trace, trace->count - 1) & ~(trace->bucket - 1));
 }
 
+/* Moves the rows that stay, whose steps trace_thin() has noted, to the front. */
 void trace_thinned(struct trace *trace)
 {
     for (size_t i = 0; i < trace->count; i++)
@@ -330,6 +331,8 @@ void trace_thinned(struct trace *trace)
     merge_enough(trace);
 }
 
+/* Decimates the trace, in which steps are grouped in buckets from then on, or doubles its
+ * buckets. */
 bool trace_coarsen(struct trace *trace)
 {
     if (trace->bucket == 1 && !trace_steps_thin(trace, true))

@@ -56,6 +56,7 @@ static bool due_row_append(struct trace *trace, int64_t step, const double *y)
     return true;
 }
 
+/* Records those of `count` steps that are due; returns how many steps were passed. */
 int64_t trace_record_even(struct trace *trace, int64_t step, const double *row, int64_t count)
 {
     while (trace->next < step + count)

@@ -3,6 +3,8 @@
 #include <hooke/scene/typed.h>
 #include "run/private.h"
 
+/* Dense output would cover only the last part of a step that was made in parts, so it is not
+ * used. */
 struct inside inside_of(struct run *run, bool cold, double t, double h)
 {
     struct inside inside = {run, *run->method, t, h};
@@ -12,6 +14,7 @@ struct inside inside_of(struct run *run, bool cold, double t, double h)
     return inside;
 }
 
+/* Returns the last step with the system that it was made with, perhaps frozen on branches. */
 struct step inside_step(const struct inside *inside, struct sliding *sliding, struct system *frozen)
 {
     const struct run *run = inside->run;

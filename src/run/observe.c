@@ -233,6 +233,7 @@ double run_observed(const struct run *run, int i)
     return system_observe(&run->system, i, run->t, run->y);
 }
 
+/* Returns the value at the present state; NAN if the observable is not defined. */
 double run_observable(const struct run *run, const struct observable *observable)
 {
     if (!observable_defined(observable, &run->system, run->plan.exact_known))
@@ -385,6 +386,7 @@ int run_scope_slots(const struct run *run)
     return run->system.n + model_observed(run->system.model) + (int)COUNT_OF(observables);
 }
 
+/* Returns the largest recorded speed of the first coordinate between two times. */
 double run_speed_max(const struct run *run, double t_begin, double t_end)
 {
     double max = 0;

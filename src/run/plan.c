@@ -153,6 +153,7 @@ bool plan_grid(const struct system *system, double dt, double span, struct plan 
     return true;
 }
 
+/* Returns true for linear scenes of two variables without drive, and one-step methods. */
 bool plan_propagates(const struct system *system, const struct method *method,
                      const struct run_settings *settings, bool adaptive)
 {

@@ -322,6 +322,7 @@ bool run_back(struct run *run, int64_t rows)
     return enough;
 }
 
+/* Returns true if later steps or rows depend on more than the present state. */
 bool run_remembers(const struct run *run)
 {
     /* Methods that use earlier steps, compensated sums, a decimated trace, which stays coarse, and

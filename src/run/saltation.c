@@ -250,6 +250,7 @@ void saltation_note(struct saltation *saltation, int n, const double *run_state,
         saltation->reach[i] = fmax(saltation->reach[i], fabs(y[i] - run_state[i]));
 }
 
+/* Returns the next event that the run nearly met, up to the state after `step`, or NULL. */
 const struct response *saltation_next_miss(const struct run *run, struct saltation *saltation,
                                            int64_t step)
 {

@@ -67,6 +67,7 @@ struct energy_tally trace_mark(const struct trace *trace, size_t i)
     return tally;
 }
 
+/* Writes as much of the tally as marks have. */
 void trace_set_mark(struct trace *trace, size_t i, const struct energy_tally *tally)
 {
     trace_touch(trace, i);
@@ -147,6 +148,7 @@ static bool trace_chunks_grow(struct trace *trace)
     return true;
 }
 
+/* Adds a chunk of rows, of marks and of steps if the next rows need them. */
 bool trace_reserve_rows(struct trace *trace, size_t rows)
 {
     const size_t needed = ((trace->count + rows - 1) >> CHUNK_SHIFT) + 1;

@@ -42,6 +42,7 @@ void trace_present(struct trace *trace, int64_t step, double t, const double *y)
     memcpy(trace->now, y, (size_t)trace->n * sizeof *y);
 }
 
+/* Counts the present state, too, if it is not recorded. */
 size_t trace_count(const struct trace *trace)
 {
     const size_t last = trace->count - 1;

@@ -128,6 +128,7 @@ static double missed_share(const struct system *system, const double *size, doub
     return most;
 }
 
+/* Returns true if a typed force depends on time. */
 bool run_force_may_pulse(const struct system *system)
 {
     bool has = false;

@@ -58,6 +58,7 @@ enum switch_kind switch_kind_of(const struct system *system, int i)
     return is_dry(system, i) ? SWITCH_SIGN : typed_switch_kind(system, i);
 }
 
+/* The velocity is the argument of dry friction. */
 void switch_arguments(const struct system *system, double t, const double *y, double *argument)
 {
     if (typed_count(system) > 0)
@@ -162,6 +163,7 @@ double system_next_branch(const struct system *frozen, int i, double t, const do
     return branch + (argument[i] > branch + 0.5 ? 1 : -1);
 }
 
+/* Returns the lower one of the two branches that meet at the switch where the argument is. */
 double system_lower_branch(const struct system *frozen, int i, double t, const double *y)
 {
     const struct system *side = frozen->sliding ? &frozen->sliding->side[0] : frozen;

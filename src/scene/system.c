@@ -95,6 +95,7 @@ double system_kinetic(const struct system *system, const double *y)
     return sum;
 }
 
+/* Sums the potentials of all terms that have one. */
 double system_potential(const struct system *system, const double *y)
 {
     double sum = 0;
@@ -104,6 +105,7 @@ double system_potential(const struct system *system, const double *y)
     return sum;
 }
 
+/* Returns true if each term has a potential or depends on velocity. */
 bool system_has_potential(const struct system *system)
 {
     for (int i = 0; i < system->terms; i++)

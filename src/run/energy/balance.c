@@ -139,6 +139,7 @@ static const struct kick *next_kick(const struct run_private *p, int64_t step)
     return low < p->kicks ? &p->kick[low] : NULL;
 }
 
+/* Returns the energy of a state of the run, scaled by the run's factor. */
 double balance_energy(const struct run *run, const struct system *system, const double *state)
 {
     double y[LIMIT_VARIABLES];

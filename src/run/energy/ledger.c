@@ -100,6 +100,7 @@ static bool repeat_steps(const struct run *run, struct run *again)
            memcmp(again->y, run->y, (size_t)run->system.n * sizeof *run->y) == 0;
 }
 
+/* Repeats the steps in a second run if rows lack marks. Returns ledger_known(). */
 bool ledger_demand(const struct run *run)
 {
     struct run_settings settings = run->settings;

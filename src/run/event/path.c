@@ -294,6 +294,7 @@ double path_time(const struct step_path *path, double theta)
     return theta >= 1 ? path->end_t : path->inside.t + theta * path->inside.h;
 }
 
+/* Returns the states that were computed at both ends, and those of inside_state() between them. */
 void path_state(const struct step_path *path, double theta, double *y)
 {
     const struct run *run = path->inside.run;

@@ -137,6 +137,7 @@ void run_follow(const struct system *system, double t, const double *y, double e
     solution_pursue(&scaled, t, y, end, &accurate, cancel, followed);
 }
 
+/* Tries a method for smooth equations, and then one for stiff ones. */
 void run_follow_cheaply(const struct system *system, double t, const double *y, double end,
                         double tol, const struct cancel *cancel, struct followed *followed)
 {
@@ -147,6 +148,7 @@ void run_follow_cheaply(const struct system *system, double t, const double *y, 
         solution_pursue(system, t, y, end, &stiff, cancel, followed);
 }
 
+/* Follows the solution in at most 100 steps of low accuracy. */
 bool run_seems_to_end(const struct system *system, double t, const double *y, double end,
                       const struct cancel *cancel)
 {
@@ -156,6 +158,7 @@ bool run_seems_to_end(const struct system *system, double t, const double *y, do
     return followed.fate == SOLUTION_ENDS;
 }
 
+/* Sets y_end to the solution at `end`. Returns false if it was not reached. */
 bool run_solve_cheaply(const struct system *system, double t, const double *y, double end,
                        double tol, double *y_end, const struct cancel *cancel)
 {
@@ -171,6 +174,7 @@ bool run_is_never_singular(const struct system *system)
     return system->linear && (system->autonomous || system->oscillator.whole);
 }
 
+/* Follows the solution to `end`; t is NAN if it does not end before. */
 struct singularity system_singularity(const struct system *system, double t, const double *y,
                                       double end, const struct cancel *cancel)
 {

@@ -80,6 +80,7 @@ static void try_steps(const struct run_scenario *s, struct run_work *work)
     run_destroy(trial);
 }
 
+/* Counts evaluations by the method's number, or tries the first steps. */
 void run_work_count(const struct run_scenario *s, struct run_work *work)
 {
     const double evals = s->plan->propagates ? 0 : s->plan->steps * s->method->evals;

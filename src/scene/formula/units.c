@@ -44,6 +44,7 @@ bool units_of_value(struct compiler *c, struct text typed, struct dimension dime
     return true;
 }
 
+/* Extends the text of the last value to the parenthesis, which may be followed by a unit. */
 void units_of_parenthesis(struct compiler *c, const char *open)
 {
     if (!c->operand)

@@ -13,6 +13,7 @@ double scene_reynolds(const struct scene *scene, double speed)
     return scene->value[P_rho] * speed * scene->value[P_length] / scene->value[P_eta];
 }
 
+/* Returns the kind of flow through a pipe at this Reynolds number. */
 const char *reynolds_regime(double reynolds)
 {
     if (reynolds < 2300)

@@ -157,6 +157,7 @@ const struct bound_term *system_whole(const struct system *system)
     return system->typed.row && !typed_base(system->model) && term->row->add ? term : NULL;
 }
 
+/* Returns the program of a typed term and its number of values; NULL for a built-in term. */
 const struct program *term_program(const struct bound_term *term, int *values)
 {
     if (term->row->bind)

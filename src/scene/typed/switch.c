@@ -197,6 +197,7 @@ bool typed_turns_only(const struct system *system)
     return system->kinks && part_of(system)->turns_only;
 }
 
+/* Returns the number of switches at which steps end; none for an oscillator. */
 int typed_switches(struct system *system)
 {
     const struct typed_part *part = part_of(system);
@@ -224,6 +225,7 @@ static void find_branches(const struct typed_part *part, double t, const double 
     }
 }
 
+/* Finds the branches at the state, too, on which later arguments depend. */
 void typed_unfrozen_arguments(const struct system *system, double t, const double *y,
                               double *argument)
 {

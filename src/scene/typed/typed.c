@@ -31,6 +31,7 @@ static void destroy(struct typed *typed)
     free(typed);
 }
 
+/* Destroys all models. */
 void typed_destroy(struct typed_models *models)
 {
     while (models && models->last) {
@@ -208,6 +209,7 @@ const struct model *typed_new(struct typed_models *models, struct text name, str
     return typed ? typed_lines_compile(models, typed, NULL, NULL, error) : NULL;
 }
 
+/* Makes a model of all its lines at once. */
 const struct model *typed_make(struct typed_models *models, struct text name,
                                const struct typed_line *line, int count,
                                const struct cancel *cancel, struct error *error)
@@ -453,6 +455,7 @@ void scene_remodel(struct scene *scene, const struct model *model)
 
 /* ---- what there is to look at ---- */
 
+/* Returns the index of a state variable, or of the velocity y' of one; -1 if there is none. */
 int model_state(const struct model *model, struct text name)
 {
     const bool primed = name.len > 1 && name.data[name.len - 1] == '\'';

@@ -167,6 +167,7 @@ static double path_integral(const struct force_path *path, double *size)
 
 /* ---- paths ---- */
 
+/* The straight line from q_begin to q_end. */
 static void straight(const struct force_path *path, double s, double *q, double *tangent)
 {
     for (int i = 0; i < path->rows; i++) {
@@ -175,6 +176,7 @@ static void straight(const struct force_path *path, double s, double *q, double 
     }
 }
 
+/* The straight line from the origin to q_end. */
 static void from_origin(const struct force_path *path, double s, double *q, double *tangent)
 {
     for (int i = 0; i < path->rows; i++) {
@@ -183,6 +185,7 @@ static void from_origin(const struct force_path *path, double s, double *q, doub
     }
 }
 
+/* The ray that ends at q_end, by q_end / s. */
 static void from_infinity(const struct force_path *path, double s, double *q, double *tangent)
 {
     for (int i = 0; i < path->rows; i++) {

@@ -98,6 +98,7 @@ static int add_expr(struct equations *e, const struct expr *expr)
     return stack[BOTTOM];
 }
 
+/* Defines a name by an expression: later expressions that use the name contain it. */
 bool equations_let(struct equations *e, int name, const struct expr *expr, struct error *error)
 {
     const int node = add_expr(e, expr);

@@ -360,6 +360,7 @@ int graph_one(struct graph *g, double (*one)(double), int a)
     return graph_node_make(g, (struct node){.kind = NODE_ONE, .operand = {a}, .one = one});
 }
 
+/* Replaces min and max by a comparison and a choice. */
 int graph_two(struct graph *g, double (*two)(double, double), int a, int b)
 {
     if (two == function_min)
@@ -369,6 +370,7 @@ int graph_two(struct graph *g, double (*two)(double, double), int a, int b)
     return graph_node_make(g, (struct node){.kind = NODE_TWO, .operand = {a, b}, .two = two});
 }
 
+/* Returns the node of the same operation on the operands map[i]. */
 int graph_copy(struct graph *g, const struct node *node, const int *map)
 {
     struct node copy = *node;

@@ -381,6 +381,7 @@ int program_operations(const struct program *p)
     return p->count;
 }
 
+/* Returns true, with its value, if an output is a number. */
 bool program_constant(const struct program *p, int output, double *value)
 {
     const struct node *node = &p->node[p->result[output]];
@@ -421,6 +422,7 @@ size_t program_frame(const struct program *p)
     return (size_t)p->slots + 2 * (size_t)p->remembered;
 }
 
+/* Writes the program's numbers into a frame, and clears remembered arguments. */
 void program_prepare(const struct program *p, double *frame)
 {
     if (!p->native) /* machine code has the numbers in its page */
