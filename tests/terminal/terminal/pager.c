@@ -52,7 +52,7 @@ static void test_paged(void **state)
     assert_false(shows(&p, "PAGED"));
     type(&p, "help commands\r");
     expect(&p, "PAGED -a $HOME;b LESS=FRX"); /* no shell has seen it */
-    assert_false(shows(&p, "what there is to choose"));
+    assert_false(shows(&p, "list everything of a kind"));
     type(&p, "print 6*8\r");
     expect(&p, "48");
     quit(&p); /* which finds the terminal's modes as they were */
