@@ -153,7 +153,8 @@ bool plan_grid(const struct system *system, double dt, double span, struct plan 
     return true;
 }
 
-/* Returns true for linear scenes of two variables without drive, and one-step methods. */
+/* Returns true for linear scenes of two variables without drive, and methods whose step is a
+ * matrix. */
 bool plan_propagates(const struct system *system, const struct method *method,
                      const struct run_settings *settings, bool adaptive)
 {
