@@ -101,8 +101,8 @@ static bool is_loaded(const struct session *session, struct reply *reply)
     return true;
 }
 
-/* Opens a lesson, repeats the current step, or ends the lesson (`lab off`). */
-/* lab figure N: plots as the report does, by the commands that one would type. */
+/* Draws the figures of question NUMBER as the report does, by running the commands that one would
+ * type (`lab figure N`). Returns false with *error. */
 static bool draw_question(struct session *session, const struct arguments *args,
                           struct reply *reply, struct error *error)
 {
@@ -139,6 +139,8 @@ static bool draw_question(struct session *session, const struct arguments *args,
     return ok;
 }
 
+/* Opens a lesson, repeats the current step, draws the figures of a question, or ends the lesson
+ * (`lab off`). */
 HANDLER(lab)
 {
     const struct argument_value *name = argument_value(args, "NAME"),

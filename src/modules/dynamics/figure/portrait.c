@@ -285,8 +285,7 @@ static bool add_equilibria(struct drawing *d, const struct portrait_request *wan
     return true;
 }
 
-/* Sets the points [6] of an arrow about `centre`: tail, tip, barb, tip, barb, gap. cell is the
- * distance of neighbouring arrows, so that barbs look alike whatever the units of the axes are. */
+/* Sets the 6 points of an arrow: tail, tip, barb, tip, barb, gap; `cell` scales the barbs. */
 static void put_arrow(double *x, double *y, const double centre[2], const double step[2],
                       const double cell[2])
 {
@@ -419,6 +418,7 @@ static const char *put_note(struct drawing *d, const struct system *system,
 
 /* ---- the figure ---- */
 
+/* Returns the axis of a variable with the limits `range`, which are fixed. */
 static struct axis axis_of(const struct drawing *d, const struct system *system, int variable,
                            const double range[2])
 {
