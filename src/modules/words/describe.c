@@ -5,7 +5,8 @@
 
 #include "modules/words/describe.h"
 
-/* Executes `describe`: the named plot, or the one in the focus, in sentences. */
+/* Executes `describe`: replies with sentences about the plot named by WHAT, or about the one in the
+ * focus. The record "description" holds the plot's title and the text. */
 HANDLER(describe)
 {
     struct figure_request request = {.charset = &charset_braille, .width = WORDS_COLUMNS};

@@ -44,7 +44,9 @@ static double echo_distance(const struct points *points)
     return ECHO_DISTANCE_FACTOR * values_quantile(distance, n, 0.95);
 }
 
-/* Removes single samples that are far from their neighbours, unless there are many. */
+/* Removes single samples that are far from their neighbours (false echoes of a sensor), unless they
+ * are more than a twentieth of all. *points then owns nothing: its new arrays are in the arena.
+ * Returns false if out of memory. */
 bool drop_echoes(struct points *points, struct arena *arena)
 {
     const size_t n = points->n;

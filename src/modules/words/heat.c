@@ -16,7 +16,8 @@ static void put_heat_axis(const struct heat_axis *axis, struct buffer *output)
         buffer_format(output, " %s", axis->unit);
 }
 
-/* Appends a sentence on the extreme value at that index and where it is. */
+/* Appends a sentence on an extreme value of the map: what (lowest or highest), heat->value[index],
+ * and both coordinates of that point. */
 static void put_heat_place(const struct heat *heat, size_t index, const char *what,
                            struct buffer *output)
 {
@@ -33,7 +34,8 @@ static void put_heat_place(const struct heat *heat, size_t index, const char *wh
     buffer_put(output, TEXT("."));
 }
 
-/* Describes a heat map: its axes, where it is lowest and highest, points without value. */
+/* Describes a heat map: its axes, its lowest and highest points, and the number of points without
+ * value (NaN). Returns false if out of memory. */
 bool describe_heat(const struct heat *heat, struct buffer *output)
 {
     const size_t n = (size_t)heat->x.count * (size_t)heat->y.count;

@@ -75,8 +75,10 @@ static void page_number_put(double value, const struct axis *axis, int width, st
     buffer_free(&text);
 }
 
-/* Appends the table of all curves, as many columns as fit; nothing if a curve is no function of
- * x. */
+/* Appends a table of CURVE_ROWS rows with x and the value of each curve, with as many columns as
+ * fit into `room` characters. x goes in equal steps (equal factors on a logarithmic axis) through
+ * the range of the curves that the axis shows. Appends nothing if x does not ascend along some
+ * curve, or if the figure is a plane. */
 static void page_table_put(const struct figure *figure, int room, struct buffer *output)
 {
     double x_begin = HUGE_VAL, x_end = -HUGE_VAL;
@@ -172,7 +174,8 @@ static bool drop_sentence(struct buffer *text)
     return true;
 }
 
-/* Draws as many whole sentences of the description as a rectangle of cells holds. */
+/* Draws the figure's description into a rectangle of cells, (x, y) its upper left corner. Last
+ * sentences are dropped until the text fits into `height` lines. Returns false if out of memory. */
 bool words_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                 int height)
 {

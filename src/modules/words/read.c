@@ -57,8 +57,9 @@ static int compare_x(const void *a, const void *b)
     return (p->x > q->x) - (p->x < q->x);
 }
 
-/* Copies the points that the axes show, by ascending x if `sorted`. Returns false if out of
- * memory. */
+/* Copies the points of the curve that the axes show to *points, in the arena; by ascending x if
+ * `sorted`. points->n is at first the largest number of points, then their number. Returns false if
+ * out of memory. */
 static bool copy_points(const struct figure *figure, const struct curve *curve, bool sorted,
                         struct arena *arena, struct points *points)
 {
@@ -83,8 +84,9 @@ static bool copy_points(const struct figure *figure, const struct curve *curve, 
     return true;
 }
 
-/* Collects the points of a curve that can be shown, and its ends and gaps. Points outside of the
- * window of time are not gaps. Returns false if out of memory. */
+/* Collects in *points the points of a curve that the axes show; they are copied only if some are
+ * left out or, outside of planes, if x does not ascend. Sets number, ends and gaps in *reading.
+ * Points outside of the window of time are not gaps. Returns false if out of memory. */
 static bool points_gather(const struct figure *figure, const struct curve *curve,
                           struct arena *arena, struct points *points, struct curve_reading *reading)
 {
@@ -123,8 +125,9 @@ static void find_noise(const struct curve *curve, struct arena *arena, struct po
 
 /* ---- trends ---- */
 
-/* Returns the slope of ln|y| over x, or over ln x, by least squares; NAN if deviations from the
- * line are too large. */
+/* Returns the slope of ln|y| over x (over ln x if over_logarithm) by least squares in a first pass.
+ * Returns NAN if the second pass finds a deviation from the line above LINE_DEVIATION_MAX of its
+ * height. */
 static double slope_of_logarithm(const struct points *p, bool over_logarithm)
 {
     double n = 0, sx = 0, sy = 0, sxx = 0, sxy = 0, far = 0, low = HUGE_VAL, high = -HUGE_VAL;
@@ -164,8 +167,9 @@ static double largest_return(const struct points *p, bool rises)
     return back;
 }
 
-/* Returns true, and the level, if the curve is noise around a level: the means of its first and
- * last third do not differ. */
+/* Returns true if the curve is noise around a constant level: the means of its first and last third
+ * differ by at most 5 standard errors or one standard deviation of the noise. Sets level and spread
+ * (standard deviation) of *reading then. */
 static bool is_scattered(const struct points *p, struct curve_reading *reading)
 {
     const size_t third = p->n / 3;
@@ -188,8 +192,8 @@ static bool is_scattered(const struct points *p, struct curve_reading *reading)
     return true;
 }
 
-/* Finds how a curve without a period rises, falls or scatters: factor, exponential rate, or
- * power. */
+/* Finds how a curve without a period rises, falls or scatters. Sets course, and, where they apply:
+ * factor (last value by first), rate (exponential) or power (both axes logarithmic). */
 static void read_trend(const struct figure *figure, const struct curve *curve,
                        const struct points *p, struct curve_reading *reading)
 {
@@ -234,7 +238,9 @@ static const char *name_of(const struct figure *figure, int i, struct arena *are
     return *mark ? arena_text(arena, text_of(mark)) : "the curve";
 }
 
-/* Describes curve i, and collects its points. Returns false if out of memory. */
+/* Describes curve i in *reading, and collects its points in *points, in the arena. Quantities that
+ * do not apply remain NAN; a curve of less than two points, or of huge values, has no course.
+ * Returns false if out of memory. */
 static bool read_curve(const struct figure *figure, int i, struct arena *arena,
                        struct points *points, struct curve_reading *reading)
 {
@@ -295,7 +301,8 @@ static bool read_curve(const struct figure *figure, int i, struct arena *arena,
 
 /* ---- curves beside each other ---- */
 
-/* Returns the value of a curve at x, linear between points; NAN outside. */
+/* Returns the value of a curve at x, interpolated linearly between points found by bisection; NAN
+ * outside of its points. */
 static double points_value(const struct points *p, double x)
 {
     size_t low = 0, high = p->n;
@@ -314,8 +321,9 @@ static double points_value(const struct points *p, double x)
     return a.y + (b.y - a.y) * (x - a.x) / (b.x - a.x);
 }
 
-/* Computes the distance between two curves at the points of `source` if at_from is set, otherwise
- * at those of `target`. */
+/* Computes the largest and the rms difference in y between two curves, at the points of `source` if
+ * at_from is set, otherwise at those of `target`; the other curve is interpolated. Points without a
+ * value there are left out. Both results are NAN if no point remains. */
 static struct curve_distance distance_between(const struct points *source,
                                               const struct points *target, bool at_from)
 {
@@ -342,8 +350,9 @@ static struct curve_distance distance_between(const struct points *source,
     return distance;
 }
 
-/* Chooses the reference and computes the distances of other curves from it. Returns false if out of
- * memory. */
+/* Chooses the reference curve (measured points if there are any, otherwise the first curve) and
+ * computes the distances of all others from it. Sets reading->reference to -1 if there are none, as
+ * in planes and over logarithmic axes. Returns false if out of memory. */
 static bool read_distances(const struct figure *figure, const struct points *points,
                            struct arena *arena, struct figure_reading *reading)
 {
@@ -372,7 +381,8 @@ static bool read_distances(const struct figure *figure, const struct points *poi
     return true;
 }
 
-/* Sorts the curves by their right ends. Returns false if out of memory. */
+/* Sorts the curves that have points by the value at their right ends, highest first, into
+ * reading->order. Returns false if out of memory. */
 static bool read_order(const struct figure *figure, struct arena *arena,
                        struct figure_reading *reading)
 {
@@ -401,7 +411,9 @@ static void range_extend(double range[2], double low, double high)
     range[1] = high > range[1] ? high : range[1];
 }
 
-/* Finds the ranges of all axes: their fixed ends, or those of the curves. */
+/* Sets the ranges that the axes of the one or two panels show: their fixed ends, or the range of
+ * the curves. Outside of planes both panels share the range of x, so that of the first includes all
+ * curves. */
 static void read_ranges(const struct figure *figure, const struct points *points,
                         struct figure_reading *reading)
 {
@@ -432,7 +444,8 @@ static void read_ranges(const struct figure *figure, const struct points *points
         }
 }
 
-/* Describes a figure in numbers, which sentences are made from. */
+/* Describes a figure in numbers, which sentences are made from: curves, ranges, distances and
+ * order, in the arena. Returns false if out of memory or if stopped by Ctrl-C. */
 bool figure_read(const struct figure *figure, struct arena *arena, struct figure_reading *reading)
 {
     const size_t n = (size_t)figure->curves;

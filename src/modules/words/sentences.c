@@ -100,7 +100,7 @@ static void put_place(const struct described *s, struct curve_point point, struc
     figure_value(s->x, point.x, s->x_range, output);
 }
 
-/* Appends where the curve starts and ends. */
+/* Appends the first and the last value of the curve; in a plane, both coordinates of its ends. */
 static void put_ends(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
@@ -129,7 +129,7 @@ static void put_extremes(const struct described *s, struct buffer *output)
     put_place(s, s->curve->high, output);
 }
 
-/* Appends how the curve rises or falls. */
+/* Appends how the curve rises or falls: by which factor, and as a power or exponentially. */
 static void put_trend(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
@@ -180,7 +180,7 @@ static void put_amplitudes(const struct described *s, struct buffer *output)
     }
 }
 
-/* Appends level, period, crossings and amplitude of an oscillation. */
+/* Appends the centre of an oscillation, its period, number of crossings and amplitudes. */
 static void put_oscillation(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
@@ -211,7 +211,7 @@ static void put_oscillation(const struct described *s, struct buffer *output)
     put_amplitudes(s, output);
 }
 
-/* Appends how often a curve winds, around what, and how its distance changes. */
+/* Appends how often a curve in a plane winds, around which point, and how it spirals. */
 static void put_winding(const struct described *s, struct buffer *output)
 {
     const struct curve_reading *c = s->curve;
@@ -300,7 +300,7 @@ static void put_gaps(const struct described *s, struct buffer *output)
     figure_value(s->x, s->curve->hole[1], s->x_range, output);
 }
 
-/* Describes a figure of one curve in two sentences. */
+/* Describes the only curve of a figure, called name, in two sentences: its course and its ends. */
 static void put_alone(const struct described *s, const char *name, struct buffer *output)
 {
     buffer_format(output, " %s ", name);
@@ -330,7 +330,7 @@ static void put_alone(const struct described *s, const char *name, struct buffer
     buffer_put(output, TEXT("."));
 }
 
-/* Appends a sentence on one of several curves, without its full stop. */
+/* Appends a sentence on one of several curves, without full stop; `briefly` omits its ends. */
 static void put_curve(const struct described *s, bool briefly, struct buffer *output)
 {
     struct buffer course = {0};
@@ -412,7 +412,7 @@ static void put_intro(const struct figure_reading *reading, struct buffer *outpu
     buffer_put(output, TEXT("."));
 }
 
-/* Appends a sentence on the distances from the reference. */
+/* Appends the largest and rms distance of each other curve from the reference curve. */
 static void put_distances(const struct figure_reading *reading, struct buffer *output)
 {
     if (reading->distances == 0)
@@ -443,7 +443,7 @@ static void put_order(const struct figure_reading *reading, struct buffer *outpu
     buffer_put(output, TEXT("."));
 }
 
-/* Appends a sentence on the widest band. */
+/* Appends where the uncertainty band of the first curve that has one is widest. */
 static void put_bands(const struct figure_reading *reading, struct buffer *output)
 {
     for (int i = 0; i < reading->figure->curves; i++) {

@@ -47,8 +47,10 @@ static struct turn refined_turn(const struct points *p, size_t i)
     return (struct turn){plain.x + dx, plain.y + dx * (slope + curvature * dx), i};
 }
 
-/* Finds turning points, from which the curve goes back by more than `least` and a fraction of its
- * swing. Returns their number; `turn` receives them unless it is NULL. */
+/* Finds turning points: extremes from which the curve goes back by more than `least`, and by more
+ * than TURN_MIN of the larger of the present and the previous rise or fall (`swing`). Returns their
+ * number; `turn` receives them unless it is NULL. `way` is 1 while the curve rises, -1 while it
+ * falls, 0 before the first turn. */
 static size_t find_turns(const struct points *p, double least, struct turn *turn)
 {
     size_t count = 0, high = 0, low = 0;
@@ -99,8 +101,9 @@ static bool keeps_middle(const struct turn *turn, size_t count)
     return (double)jumps <= (1 - REGULAR_SHARE_MIN) * (double)count;
 }
 
-/* Returns x where the curve crosses the level between two points, or NAN if it does not.
- * Searches from both ends, since noise crosses it several times. */
+/* Returns the x between points search_first and search_last where the curve crosses the level, or
+ * NAN if it ends on the side on which it began. Noise crosses several times: the result is the mean
+ * of the first and the last crossing. */
 static double find_crossing(const struct points *p, size_t search_first, size_t search_last,
                             double level)
 {
@@ -121,7 +124,8 @@ static double find_crossing(const struct points *p, size_t search_first, size_t 
     return sum;
 }
 
-/* Returns true if two samples between x_begin and x_end are farther apart than `least`. */
+/* Returns true if two neighbouring samples around or between x_begin and x_end are farther apart
+ * than `least`. Both limits can be equal. */
 static bool has_hole(const struct points *p, double x_begin, double x_end, double least)
 {
     size_t low = 0, high = p->n;
@@ -137,9 +141,10 @@ static bool has_hole(const struct points *p, double x_begin, double x_end, doubl
     return false;
 }
 
-/* Finds the longest gap between measured samples, and *least, the length of gaps in which turning
- * points and crossings are unknown (HUGE_VAL if there are too few crossings). Returns false if out
- * of memory. */
+/* Finds the longest gap between measured samples and stores its ends in reading->hole. Sets *least
+ * to the length above which turning points and crossings in a gap are unknown: HOLE_HALF_PERIODS
+ * times the median distance of crossings, or HUGE_VAL if there are too few. Returns false if out of
+ * memory. */
 static bool find_holes(const struct points *p, const double *x_crossing, size_t crossings,
                        struct arena *arena, double *least, struct curve_reading *reading)
 {
@@ -159,8 +164,10 @@ static bool find_holes(const struct points *p, const double *x_crossing, size_t 
     return true;
 }
 
-/* Computes period and spread from the crossings in ascending order, of which those two apart have
- * the same direction, if most of them are regular. Returns false if out of memory. */
+/* Computes the period, the number of periods and their standard deviation (spread) from crossings
+ * in ascending order: x_crossing[i + 2] - x_crossing[i] is a period, since every second crossing
+ * has the same direction. Periods across gaps longer than `least`, and outliers, are left out. Sets
+ * nothing if too many are irregular. Returns false if out of memory. */
 static bool read_period(const struct points *p, const double *x_crossing, size_t crossings,
                         double least, struct arena *arena, struct curve_reading *reading)
 {
@@ -208,8 +215,9 @@ static bool is_whole(const struct points *p, const struct turn *turn, double lea
     return !has_hole(p, x_begin, x_end, least);
 }
 
-/* Finds the first and the last amplitude and level, and the growth of the amplitude if its
- * logarithm is a line. */
+/* Sets the first and the last amplitude and level, and the growth rate of the amplitude if its
+ * logarithm is a line over x (least squares). Pairs of turning points with a gap longer than
+ * `least` between them are left out. */
 static void read_amplitudes(const struct points *p, const struct turn *turn, size_t count,
                             double least, struct curve_reading *reading)
 {
@@ -249,7 +257,8 @@ static void read_amplitudes(const struct points *p, const struct turn *turn, siz
         reading->growth = slope;
 }
 
-/* Finds turning points of a curve and, over time, its crossings, period and amplitudes. */
+/* Counts the turning points of a curve and, if `timed` (x is time), finds its crossings of the
+ * middle between them, its period and amplitudes. Returns false if out of memory. */
 bool read_turns(const struct points *points, bool timed, struct arena *arena,
                 struct curve_reading *reading)
 {

@@ -25,8 +25,9 @@ static double frame_distance(const struct frame *f, struct curve_point p)
     return hypot(p.x - f->centre.x, (p.y - f->centre.y) * (f->half.x / f->half.y));
 }
 
-/* Returns the signed number of turns around the centre. *last is the distance from it after the
- * last whole turn, interpolated in the angle. */
+/* Returns the signed number of turns (counterclockwise positive) around the frame's centre. *last
+ * becomes the distance from it after the last complete turn, interpolated in the angle; the first
+ * pass counts the turns, the second finds where the last complete one ends. */
 static double turns_about(const struct frame *f, const struct points *p, double *last)
 {
     double sum = 0;
@@ -50,7 +51,9 @@ static double turns_about(const struct frame *f, const struct points *p, double 
     return sum / TWO_PI;
 }
 
-/* Finds how often a curve in a plane winds around its centre. */
+/* Finds how often a curve in a plane winds around its centre: the origin if it winds around that
+ * about as often, otherwise the middle of its extent. `equal` means that both axes have the same
+ * scale. Sets nothing for less than one turn. */
 void read_winding(const struct points *points, bool equal, struct curve_reading *reading)
 {
     struct curve_point low = point_at(points, 0), high = low;

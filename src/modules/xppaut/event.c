@@ -5,8 +5,10 @@
 
 #include "modules/xppaut/ode.h"
 
-/* Splits off the text in {braces}, or what comes before them, as a condition may lack them. Returns
- * false if there is none. */
+/* Splits the first item off *rest: the text in {braces} if *rest begins with '{', otherwise the
+ * text before the next '{' (a condition may be written without braces). Sets *inside to the item
+ * without braces and blanks. Returns false if a '}' is missing or if the item without braces is
+ * empty. */
 static bool take_braced(struct text *rest, struct text *inside)
 {
     *rest = text_trim(*rest);
@@ -24,8 +26,9 @@ static bool take_braced(struct text *rest, struct text *inside)
     return true;
 }
 
-/* Appends the command for NAME=FORMULA of an event, or sets *stops for NAME arret. Returns false
- * with an error. */
+/* Appends to output the command for `reset`, one NAME=FORMULA of an event. NAME arret (XPPAUT's
+ * word for stopping the run) appends nothing and sets *stops. Returns false with an error, also if
+ * NAME is neither a variable nor a parameter. */
 static bool add_reset(const struct ode_reader *reader, struct text reset, bool *stops,
                       struct buffer *output)
 {
@@ -53,7 +56,9 @@ static bool add_reset(const struct ode_reader *reader, struct text reset, bool *
     return true;
 }
 
-/* Reads an event from the text behind `global`: SIGN {CONDITION} {NAME=FORMULA;...}. */
+/* Reads an event from the text behind `global`: SIGN {CONDITION} {NAME=FORMULA;...}. Sign 1 becomes
+ * "rising" and -1 "falling"; sign 0, which means both in XPPAUT, is refused. The run continues
+ * after the event unless one of its resets is arret. Returns false with an error. */
 bool ode_event(struct ode *ode, const struct ode_line *line, struct text rest,
                struct ode_event *event)
 {

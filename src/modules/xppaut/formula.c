@@ -97,7 +97,7 @@ static bool ode_value_put(struct ode_writing *w, const struct ode_symbol *symbol
     return body && formula_put(w, body, NULL, ATOM);
 }
 
-/* Writes a symbol's name. Returns false with an error if it is NULL or may not be read here. */
+/* Writes the symbol called name, or its value in a table. Fails for NULL and names out of reach. */
 static bool put_symbol(struct ode_writing *w, const struct ode_symbol *symbol, struct text name)
 {
     const struct ode_symbol *owner = w->reader->subject;
@@ -139,7 +139,7 @@ static bool ode_number_put(struct ode_writing *w, double number)
                : ode_text_put(w, text);
 }
 
-/* Evaluates an expression of numbers and indices. Returns false if it has anything else. */
+/* Evaluates numbers, indices of sums and + - * / of them. Returns false for anything else. */
 static bool ode_node_value(node expr, const struct scope *scope, int depth, double *value)
 {
     const struct scope *where = sum_around(scope);
@@ -194,7 +194,7 @@ static bool put_compared(struct ode_writing *w, node expr, const struct scope *s
            ode_text_put(w, ")");
 }
 
-/* Writes logical operations by products, maxima and differences of comparisons. */
+/* Writes logical operators as products, maxima and differences of comparisons (0 or 1). */
 static bool put_logical(struct ode_writing *w, node expr, const struct scope *scope)
 {
     const node *a = expr->argument;
@@ -249,7 +249,7 @@ static const struct builtin {
     {"min", "min", 2},
 };
 
-/* Sets the error for a function that expressions do not have. Returns false. */
+/* Sets an error for a function that expressions lack, with a reason if known. Returns false. */
 static bool refuse_call(struct ode_writing *w, struct text name)
 {
     static const struct {
@@ -268,7 +268,7 @@ static bool refuse_call(struct ode_writing *w, struct text name)
     return ode_writing_fail(w, "expressions have no function '", name, "'");
 }
 
-/* Writes XPPAUT's mod(a, b): the remainder of fmod(), plus b where that is below 0. */
+/* Writes XPPAUT's mod(a, b): fmod(), plus b if negative. A constant b > 0 needs only mod(a, b). */
 static bool put_mod(struct ode_writing *w, node expr, const struct scope *scope)
 {
     const node *a = expr->argument;
@@ -288,7 +288,7 @@ static bool put_mod(struct ode_writing *w, node expr, const struct scope *scope)
            formula_put(w, a[1], scope, ANY) && ode_text_put(w, ")) < 0))");
 }
 
-/* Writes shift(NAME, k): the quantity of the same kind k places behind NAME. */
+/* Writes shift(NAME, k): the symbol defined k places after NAME, among those of NAME's kind. */
 static bool put_shift(struct ode_writing *w, node expr, const struct scope *scope)
 {
     const struct ode *ode = w->reader->ode;
@@ -319,7 +319,7 @@ static bool put_function(struct ode_writing *w, node expr, struct ode_symbol *fu
     return function->body && formula_put(w, function->body, &inner, may);
 }
 
-/* Writes the value of a table or of a network at an argument. */
+/* Writes the value of a table at the call's argument, or that of a network at its index. */
 static bool put_places(struct ode_writing *w, node expr, struct ode_symbol *symbol,
                        const struct scope *scope, int may)
 {
@@ -364,7 +364,7 @@ static bool put_call(struct ode_writing *w, node expr, const struct scope *scope
     return ode_text_put(w, ")");
 }
 
-/* Writes the terms of a sum, one for each value of its index. */
+/* Writes the terms of a sum, one for each value of its index. The limits must be numbers. */
 static bool put_sum(struct ode_writing *w, node expr, const struct scope *scope)
 {
     double first, last;
@@ -406,7 +406,7 @@ static bool put_link(struct ode_writing *w, node expr, const struct scope *scope
            formula_put(w, expr->argument[1], scope, is_link(expr, true) ? FACTOR : POWER);
 }
 
-/* Writes a chain of sums or products without recursion, as it may have thousands of links. */
+/* Writes a chain of sums or products by a loop, as recursion over thousands of terms is deep. */
 static bool put_chain(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
     const bool sum = is_link(expr, true);
@@ -436,7 +436,7 @@ static bool put_power(struct ode_writing *w, node expr, const struct scope *scop
            formula_put(w, expr->argument[1], scope, ATOM) && (may <= POWER || ode_text_put(w, ")"));
 }
 
-/* Writes an expression by its kind; see ANY for `may`. */
+/* Writes an expression by its kind; `may` is the loosest operator without parentheses (see ANY). */
 static bool put_kind(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
     const struct scope *enclosing_sum = sum_around(scope);

@@ -26,7 +26,8 @@ bool ode_error(struct error *error, int line, const char *format, ...)
     return false;
 }
 
-/* Adds a copy of a line, unless it is empty. Returns false with an error if there are too many. */
+/* Adds a copy of `text` without blanks at its ends, as line `number` of the file, unless it is
+ * empty. Returns false with an error if there are too many lines or bytes, or if out of memory. */
 static bool ode_line_add(struct ode_lines *r, struct text text, int number)
 {
     text = text_trim(text);
@@ -138,8 +139,9 @@ static bool write_out(struct ode_lines *r, struct text line, int number, const l
     return fine;
 }
 
-/* Finds the first [a..b] of a line: the text in its brackets, and both numbers. Returns false if
- * there is none. */
+/* Finds the first [a..b] of a line. Sets *begin and *end to the limits of the text between its
+ * brackets and *a and *b to both numbers. Returns false if there is none, or if a ']' is missing.
+ */
 static bool range_of(struct text line, const char **begin, const char **end, long *a, long *b)
 {
     for (const char *cursor = line.data;
@@ -177,8 +179,9 @@ static bool add_array(struct ode_lines *r, struct text line, int number)
     }
 }
 
-/* Adds all lines of a group for the first index of its head, then for the next, and so on. Returns
- * false with an error. */
+/* Writes out a group of lines, which begins with the line `head` (%[a..b], line `number` of the
+ * file): adds its `count` lines for index a, then for the next, and so on up to b, or down to b if
+ * it is smaller. Returns false with an error. */
 static bool add_group(struct ode_lines *r, struct text head, const struct ode_line *line, int count,
                       int number)
 {
@@ -198,8 +201,9 @@ static bool add_group(struct ode_lines *r, struct text head, const struct ode_li
 
 /* ---- whole lines ---- */
 
-/* Reads a line with those that continue it, each up to its first backslash, in lower case and
- * without tabs. Returns false at the end of the file. *number counts lines of the file. */
+/* Sets *line to the next line of the file, joined with the lines that continue it (a backslash
+ * continues a line; what follows the backslash is dropped), in lower case, with blanks for tabs and
+ * zero bytes. Adds to *number the number of lines read. Returns false at the end of the file. */
 static bool take_line(struct text *rest, int *number, struct buffer *line)
 {
     struct text part;
@@ -241,8 +245,9 @@ struct group {
     int number;       /* line of its head, or 0 if no group is open */
 };
 
-/* Takes a complete line: comments are dropped, lines of a group collected, others added. Returns
- * false with an error. */
+/* Handles a line after continued lines were joined, which begins at `number` in the file. Comments
+ * (# and ") are dropped; a line with % begins or ends a group; lines within a group are collected,
+ * others added. Returns false with an error. */
 static bool take_whole(struct ode_lines *r, struct group *group, struct text line, int number)
 {
     if (line.data[0] == '#' && text_starts(text_after(line, 1), TEXT("include")))
@@ -263,7 +268,9 @@ static bool take_whole(struct ode_lines *r, struct group *group, struct text lin
     return group->number ? ode_line_add(&group->lines, line, number) : add_array(r, line, number);
 }
 
-/* Splits a file into complete lines: continued ones joined, arrays written out, no comments. */
+/* Splits a file into complete lines: continued ones are joined, arrays written out, comments
+ * dropped; reading ends at the line `done`. Sets *line and *count, in the arena. Returns false with
+ * an error. */
 bool ode_lines(struct text file, struct arena *arena, struct ode_line **line, int *count,
                struct error *error)
 {

@@ -21,7 +21,8 @@ static bool take_number(struct text *rest, double *number)
 
 /* ---- table NAME % POINTS FROM TO FORMULA(t) ---- */
 
-/* Reads a table's number of points, limits and formula from the symbol's text. */
+/* Reads a table from the symbol's text, % POINTS FROM TO FORMULA, into symbol->table. Its values
+ * are computed when it is first used. Returns false with an error. */
 bool ode_table_read(struct ode *ode, struct ode_symbol *symbol)
 {
     struct text rest = symbol->text;
@@ -53,7 +54,8 @@ static double point_of(const struct ode_table *table, int i)
     return table->x_low + i * ((table->x_high - table->x_low) / (table->points - 1));
 }
 
-/* Computes the table's formula at t. Returns false with an error if it is no finite number. */
+/* Computes a table's formula at t, with all parameters as numbers. Sets *value. Returns false with
+ * an error if the result is no finite number. */
 static bool find_value(struct ode *ode, const struct ode_symbol *symbol,
                        const struct ode_node *formula, double t, double *value)
 {
@@ -72,8 +74,8 @@ static bool find_value(struct ode *ode, const struct ode_symbol *symbol,
     return fine && isfinite(*value);
 }
 
-/* Computes all values of a table, unless that is done, with the parameters that the file has.
- * Returns false with an error. */
+/* Computes all values of a table when it is first used, with the parameters' values in the file.
+ * Returns false with an error, also if the table is used in its own formula (table->begun). */
 static bool find_values(struct ode *ode, struct ode_symbol *symbol)
 {
     struct ode_table *table = symbol->table;
@@ -140,8 +142,9 @@ static const struct ode_node *ramp_node(struct ode *ode, double factor,
     return net_node_join(ode, '*', number_of(ode, factor), excess);
 }
 
-/* The formula is the value at the first point, plus a line with the first slope, plus a ramp for
- * each change of slope. */
+/* Returns the table's value at `argument` as a formula: linear interpolation, written as the value
+ * at the first point, plus a line with the first slope, plus a ramp for each change of slope
+ * (`bend`). Returns NULL with an error. */
 const struct ode_node *ode_table_at(struct ode *ode, struct ode_symbol *symbol,
                                     const struct ode_node *argument)
 {
@@ -173,7 +176,9 @@ static bool take_whole(struct text text, int most, int *whole)
     return true;
 }
 
-/* Reads a network from the symbol's text into symbol->net. */
+/* Reads a network, conv(EDGE,COUNT,REACH,TABLE,FIRST), from the symbol's text into symbol->net: a
+ * weighted sum over neighbours up to REACH among COUNT quantities, the first of which is FIRST.
+ * Returns false with an error. */
 bool ode_net_read(struct ode *ode, struct ode_symbol *symbol)
 {
     const struct text all = symbol->text;
@@ -217,8 +222,8 @@ static int neighbour(const struct ode_net *net, int i)
     return i < 0 ? -i : 2 * (net->count - 1) - i;
 }
 
-/* Makes a node for the quantity i places after `first`. Returns NULL if there is none, or with an
- * error if out of memory. */
+/* Makes a node for the quantity that is defined i places after `first`, among those of the same
+ * kind. Returns NULL without an error if there is none, and with an error if out of memory. */
 static const struct ode_node *quantity_node(struct ode *ode, const struct ode_symbol *first, int i)
 {
     for (int k = 0; k < ode->symbols; k++) {
@@ -233,7 +238,8 @@ static const struct ode_node *quantity_node(struct ode *ode, const struct ode_sy
     return NULL;
 }
 
-/* Returns the value of a network at index `place` as a formula: the weighted sum of neighbours. */
+/* Returns the value of a network at index `place` as a formula: the sum of its neighbours' values
+ * by their weights, which is 0 outside of the network. Returns NULL with an error. */
 const struct ode_node *ode_net_at(struct ode *ode, struct ode_symbol *symbol, double place)
 {
     const struct ode_net *const net = symbol->net;

@@ -21,8 +21,8 @@ static bool is_initial_of(struct text name, struct text variable)
            memcmp(name.data + variable.len, end.data, end.len) == 0;
 }
 
-/* Returns true if the symbol can have that name in the scene: it is valid, not needed by the
- * program, and not taken by another symbol or initial value. */
+/* Returns true if the symbol can be called name in the scene: the name is valid, is not a word of
+ * the program (options->taken) and differs from other symbols and from their initial values. */
 static bool is_free(const struct ode *ode, const struct ode_symbol *symbol,
                     const struct ode_options *options, struct text name)
 {
@@ -43,8 +43,10 @@ static bool is_free(const struct ode *ode, const struct ode_symbol *symbol,
     return true;
 }
 
-/* Chooses the symbol's name in the scene: its own with invalid characters replaced by _, followed
- * by _1, _2, ... if that is taken. Notes a change. Returns false with an error. */
+/* Chooses the name of the symbol in the scene: the one in the file, with invalid characters
+ * replaced by _ and an n before a first character that is no letter, followed by _1, _2, ... if
+ * that name is taken. Adds a note if the name differs from the file's. Returns false with an error.
+ */
 static bool choose_name(struct ode_statements *s, struct ode_symbol *symbol,
                         const struct ode_options *options)
 {
@@ -86,8 +88,8 @@ static bool choose_names(struct ode_statements *s, const struct ode_options *opt
 
 /* ---- values ---- */
 
-/* Sets the initial values of variables. Returns false with an error if there is no such
- * variable. */
+/* Gives variables the initial values that the file lists. Returns false with an error if a name is
+ * not a variable. */
 static bool set_initials(struct ode_statements *s)
 {
     for (int i = 0; i < s->initials; i++) {
@@ -108,8 +110,8 @@ bool ode_stopped(const struct ode *ode)
            !error_set(ode->error, ERROR_CANCELLED, "stopped: nothing was loaded");
 }
 
-/* Applies a set of values to settings, parameters and initial values. Returns false with an
- * error. */
+/* Applies the NAME=VALUE pairs of a named set to parameters and initial values of variables; other
+ * names are settings. Returns false with an error. */
 static bool apply_set(struct ode_statements *s, const struct ode_set *set)
 {
     struct text rest = set->values, name, value;
@@ -132,8 +134,9 @@ static bool apply_set(struct ode_statements *s, const struct ode_set *set)
     return true;
 }
 
-/* Lists the names of all sets in the scene and applies the wanted one, if its name is not empty.
- * Returns false with an error if there is no such set. */
+/* Lists the names of all sets of the file in *scene and applies the one called `wanted`, unless
+ * that is empty. Returns false with an error, which suggests a similar name, if there is no such
+ * set. */
 static bool choose_set(struct ode_statements *s, struct text wanted, struct ode_scene *scene)
 {
     struct text *names = arena_array(s->ode.arena, (size_t)s->sets + 1, sizeof *names);
@@ -160,7 +163,8 @@ static bool choose_set(struct ode_statements *s, struct text wanted, struct ode_
 /* ---- lines of a scene ---- */
 
 /* Returns the right-hand side of a symbol as a formula of typed scenes, in the arena, or NULL with
- * an error. */
+ * an error. Derived parameters and hidden quantities can read only names that are defined before
+ * them. */
 static const char *right_side(struct ode *ode, const struct ode_symbol *symbol)
 {
     const bool ordered = symbol->kind == ODE_DERIVED || symbol->kind == ODE_FIXED;
@@ -178,8 +182,9 @@ static const char *right_side(struct ode *ode, const struct ode_symbol *symbol)
     return copy;
 }
 
-/* Adds a line of the scene, of kind `as`, for each symbol of a kind. Returns false with an
- * error. */
+/* Adds to the scene one line of kind `as` for each symbol of the given kind: with its formula for
+ * equations and observed quantities, with its value for parameters and variables. Returns false
+ * with an error. */
 static bool add_lines(struct ode *ode, enum ode_kind kind, enum typed_kind as,
                       struct ode_scene *scene)
 {

@@ -37,8 +37,8 @@ static node parser_fail(struct ode_parser *p, const char *what)
     return NULL;
 }
 
-/* Makes a node with room for its arguments. Returns NULL with an error if out of memory or if there
- * are too many. */
+/* Makes a node of the given kind with room for that many arguments, which the caller fills in.
+ * Returns NULL with an error if out of memory, or if the formula has too many nodes. */
 static struct ode_node *parser_node_make(struct ode_parser *p, enum ode_node_kind kind,
                                          int arguments)
 {
@@ -138,7 +138,8 @@ static node parse_choice(struct ode_parser *p)
     return made;
 }
 
-/* Parses the arguments in parentheses of a call. Returns NULL with an error. */
+/* Parses the arguments of a call in parentheses, of which the name was read. Returns NULL with an
+ * error. */
 static struct ode_node *call_parse(struct ode_parser *p, struct text name)
 {
     node argument[ODE_ARGUMENTS];
@@ -182,7 +183,8 @@ static node parse_series(struct ode_parser *p, struct text name)
     return made;
 }
 
-/* Parses what begins with a name. Returns NULL with an error. */
+/* Parses an expression that begins with a name: i' (the index of a sum), if()then()else(),
+ * sum()of(), a call or a name. Returns NULL with an error. */
 static node word_parse(struct ode_parser *p)
 {
     const size_t begin = p->position;
@@ -234,7 +236,8 @@ static node atom_parse(struct ode_parser *p)
     return parser_fail(p, "a number or a name is missing");
 }
 
-/* Parses a chain of powers and comparisons. Returns NULL with an error. */
+/* Parses a chain of powers and comparisons, which have the same precedence in XPPAUT and group from
+ * the left. Returns NULL with an error. */
 static node parse_power(struct ode_parser *p)
 {
     static const struct {
@@ -272,8 +275,8 @@ static node parse_factor(struct ode_parser *p)
     return takes_not(p) ? sign_node_make(p, '!', parse_power(p)) : parse_power(p);
 }
 
-/* Parses a chain of products; the `first` one of a sum may begin with a minus sign. Returns NULL
- * with an error. */
+/* Parses a chain of *, / and &. If `first` is true, this is the first product of a sum and can
+ * begin with a minus sign. Returns NULL with an error. */
 static node parse_product(struct ode_parser *p, bool first)
 {
     node left =
@@ -289,7 +292,7 @@ static node parse_product(struct ode_parser *p, bool first)
     return left;
 }
 
-/* Parses a chain of sums. Returns NULL with an error. */
+/* Parses a chain of +, - and |, the operators of lowest precedence. Returns NULL with an error. */
 static node sum_parse(struct ode_parser *p)
 {
     if (++p->depth > DEEPEST)

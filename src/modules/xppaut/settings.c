@@ -30,7 +30,8 @@ static struct text setting_word_take(struct text *rest, bool name)
     return taken;
 }
 
-/* Splits off the next NAME=VALUE, or NAME without a value. */
+/* Splits the next NAME=VALUE off *rest; *value is empty for a NAME without a value. Returns false
+ * if none is left. */
 bool ode_pair(struct text *rest, struct text *name, struct text *value)
 {
     *value = TEXT("");
@@ -89,7 +90,9 @@ static bool set_method(struct ode_settings *settings, int line, struct text valu
     return true;
 }
 
-/* Takes a setting of a line `@` or of a set. *note becomes what is not supported about it. */
+/* Stores a setting of a line `@` or of a named set. *note becomes the reason why it has no effect,
+ * or NULL. Names of other settings of XPPAUT (windows, tools) are ignored. Returns false with an
+ * error. */
 bool ode_setting(struct ode_settings *settings, int line, struct text name, struct text value,
                  const char **note, struct error *error)
 {
@@ -137,7 +140,9 @@ static const struct {
     {'v', "rk4", "volterra, for integral equations", false},
 };
 
-/* Sets method, tolerance, times and steps of the scene from the settings. */
+/* Sets method, tolerance, times and steps of the scene from the file's settings, otherwise from
+ * XPPAUT's defaults. Returns false with an error for maps, or if a duration or step is not above 0.
+ */
 bool ode_method(const struct ode_settings *settings, struct ode_scene *scene, struct error *error)
 {
     if (settings->has_method && settings->method == 'd')

@@ -20,7 +20,9 @@ static int shown_length(struct text text)
     return (int)(text.len < 60 ? text.len : 60);
 }
 
-/* Makes room in an array for one more entry. */
+/* Makes room for one more entry in an array of count entries of `size` bytes in the arena. `array`
+ * is the address of the pointer to its first entry, which is replaced when *capacity is reached.
+ * Returns false with an error if out of memory. */
 bool ode_grow(struct ode *ode, void *array, int count, int *capacity, size_t size)
 {
     void *old, *more;
@@ -37,7 +39,9 @@ bool ode_grow(struct ode *ode, void *array, int count, int *capacity, size_t siz
     return true;
 }
 
-/* Adds a note on a line; one that exists already, or too many, are dropped. */
+/* Adds a note about a line of the file; `warns` shows it as a warning. Equal notes are added once.
+ * The note after the first ODE_NOTES tells that more are omitted. Returns false with an error if
+ * out of memory. */
 bool ode_note(struct ode_statements *s, int line, bool warns, const char *format, ...)
 {
     char text[300];
@@ -72,8 +76,9 @@ static bool is_name(struct text name)
     return name.len > 0;
 }
 
-/* Adds a symbol with its right-hand side. Returns NULL with an error if the name is invalid or
- * defined twice, or if there are too many. */
+/* Adds a symbol of a kind, defined in that line as name=text. Returns NULL with an error if the
+ * name is invalid or defined twice, or if there are too many. Auxiliary quantities (ODE_AUX) can
+ * have any name, as formulas cannot read them. */
 static struct ode_symbol *ode_symbol_add(struct ode_statements *s, enum ode_kind kind, int line,
                                          struct text name, struct text text)
 {
@@ -274,8 +279,8 @@ static bool is_inside(struct text inside, const char *what)
     return *what == '\0';
 }
 
-/* Adds a function with the names of its arguments, `inside` its parentheses. Returns false with an
- * error. */
+/* Adds the function name(inside)=text, where `inside` lists the names of its arguments. Returns
+ * false with an error. */
 static bool take_function(struct ode_statements *s, int line, struct text name, struct text inside,
                           struct text text)
 {
@@ -292,8 +297,8 @@ static bool take_function(struct ode_statements *s, int line, struct text name, 
     return true;
 }
 
-/* Takes a line NAME(…)=…: an initial value NAME(0), or a function. Returns false with an error for
- * maps and integral equations. */
+/* Reads a line NAME(...)=..., whose '(' has index `open`: an initial value NAME(0), or a function.
+ * Returns false with an error for maps, NAME(t+1), and integral equations. */
 static bool take_call(struct ode_statements *s, const struct ode_line *line, size_t open)
 {
     const struct text all = line->text, name = text_trim((struct text){all.data, open});
@@ -326,7 +331,8 @@ static bool take_right(struct ode_statements *s, const struct ode_line *line, en
                           statement_tail(line->text, (size_t)(equals + 1 - line->text.data)));
 }
 
-/* Takes the settings of a line @. Returns false with an error. */
+/* Reads the settings of a line @, with warnings about those without effect. Returns false with an
+ * error. */
 static bool take_settings(struct ode_statements *s, const struct ode_line *line)
 {
     struct text rest = line->text, name, value;
@@ -344,8 +350,9 @@ static bool take_settings(struct ode_statements *s, const struct ode_line *line)
     return true;
 }
 
-/* Takes a line of any kind, by the sign that follows its first word. Returns false with an
- * error. */
+/* Reads a statement of any kind, which the character after its first word tells: = for parameters
+ * !NAME and hidden quantities, / or ' for equations, ( for calls, none for keywords. Returns false
+ * with an error. */
 static bool ode_line_take(struct ode_statements *s, const struct ode_line *line)
 {
     const struct text text = line->text;
@@ -378,7 +385,8 @@ static bool ode_line_take(struct ode_statements *s, const struct ode_line *line)
     }
 }
 
-/* Takes all lines of the file. */
+/* Reads all lines s->line of the file into symbols, sets, events and settings of s. Returns false
+ * with an error, also if cancelled. */
 bool ode_statements(struct ode_statements *s, struct error *error)
 {
     struct arena *arena = s->ode.arena;

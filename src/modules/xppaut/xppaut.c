@@ -21,8 +21,8 @@ static bool is_setting(struct text name)
     return catalog_find(&setting_catalog, name);
 }
 
-/* Makes the name of the scene from that of the file, with "-ode" if the program has a scene of that
- * name. */
+/* Makes the scene's name from that of the file, without folders and ".ode"; characters that names
+ * cannot have become -. Appends "-ode" if the program has a scene of that name, or for "new". */
 static void scene_name_of(struct text file, char name[LIMIT_SYMBOL + 1])
 {
     static const char mark[] = "-ode";
@@ -51,7 +51,8 @@ static bool name_file_in_error(struct text file, struct error *error)
     return false;
 }
 
-/* Adds to the error which line of the file caused it. */
+/* Prefixes the error's text with the name of the line of the scene in which error->where lies, if
+ * there is one. */
 static void name_line_in_error(const struct ode_scene *scene, struct error *error)
 {
     char text[sizeof error->text];
@@ -84,7 +85,8 @@ static bool set_record(struct settings *settings, const struct ode_scene *scene,
            (setting_from(row))->parse(settings, text_of(every), error);
 }
 
-/* Sets method, steps, tolerance and duration of the set-up. Returns false with an error. */
+/* Sets method, steps, tolerance and duration of the set-up as the file has them. Steps are fixed
+ * unless both the method and the file's method adapt them. Returns false with an error. */
 static bool set_method(struct setup *setup, const struct ode_scene *scene, struct error *error)
 {
     const struct row *row = catalog_find(&method_catalog, text_of(scene->method));
@@ -133,8 +135,8 @@ static bool add_events(struct session *session, const struct arguments *args,
     return true;
 }
 
-/* Makes the file's scene the session's, with method and events. Returns false with an error; the
- * caller then restores the set-up. */
+/* Makes the scene read from `file` the session's scene, with its method and events. Returns false
+ * with an error; the caller then restores the set-up. */
 static bool ode_scene_take(struct session *session, const struct arguments *args, struct text file,
                            const struct ode_scene *ode_scene, struct error *error)
 {
@@ -181,7 +183,8 @@ static void put_sets(const struct ode_scene *ode_scene, struct buffer *text)
                       safe_name(ode_scene->set[i], name));
 }
 
-/* Replies with what was read: a summary, notes and a record. */
+/* Replies with a summary of the scene, the notes and warnings from reading it, and the record
+ * "scene". */
 static void reply_from(const struct session *session, const struct ode_scene *ode_scene,
                        struct text file, struct reply *reply)
 {
