@@ -135,8 +135,10 @@ static bool begin_session(struct session **session, const struct options *option
            option_setting(*session, "format", options->format);
 }
 
-/* Runs an option of a module, such as one that checks a hand-in, with the words of the command line
- * as its arguments. Returns the exit status. */
+/* Runs the option of a module that the user gave (options->only), such as one that checks a
+ * hand-in. The command line may otherwise contain only its arguments: options->first and the tasks
+ * of kind TASK_FILE, in order. Returns the exit status; ERROR_USAGE, after a message, if there is
+ * no argument or another task. */
 static int run_option(struct session *session, const struct options *options, struct reply *reply)
 {
     const char **word = malloc(((size_t)options->tasks + 1) * sizeof *word);

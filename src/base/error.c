@@ -7,7 +7,8 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Ends the text before a UTF-8 sequence that snprintf has cut in two. */
+/* Shortens the string z, which snprintf may have cut at the end of its buffer of `size` bytes, by
+ * an incomplete UTF-8 sequence at its end. A string that does not fill the buffer is unchanged. */
 static void drop_partial(char *z, size_t size)
 {
     size_t len = strlen(z);

@@ -175,9 +175,11 @@ static bool await_more(int fd, const struct file_reading *reading, size_t so_far
     return count > 0 || refuse_endless(reading->path, "data keep arriving", reading->watch, error);
 }
 
-/* Reads the file piece by piece and shows each to the watch. A file that states its size is read up
- * to that size, since somebody may be writing it faster than it is read. Returns false with the
- * error set if reading fails, the file is too long, or the watch refuses it. */
+/* Reads from fd to the end of the file and appends to `content`, READ_CHUNK_BYTES at a time; after
+ * each read, reading->watch (NULL allowed) sees what was read so far. If reading->size is known (>
+ * 0), no more than that is read, since another program may append faster than this one reads.
+ * Returns false with the error set if reading fails, the deadline passes, the file is longer than
+ * reading->limit, or the watch refuses it. */
 static bool read_pieces(int fd, const struct file_reading *reading, struct buffer *content,
                         struct error *error)
 {

@@ -41,8 +41,9 @@ static bool same_file(const struct stat *a, const struct stat *b)
     return a->st_dev == b->st_dev && a->st_ino == b->st_ino;
 }
 
-/* Returns true if the opened folder is the current one or below it. It climbs from the folder
- * itself to the root, so that links and ".." in the path cannot deceive it. */
+/* Returns true if the opened folder (a file descriptor, not closed here) is the current folder or
+ * one below it. Climbs by ".." from the folder to the root and compares device and inode at each
+ * level, so that links and ".." in the path that was opened cannot deceive it. */
 static bool folder_is_below_here(int folder)
 {
     struct stat here, current, parent_status;

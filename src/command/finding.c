@@ -270,9 +270,10 @@ static void put_sentence(struct text statement, bool guessed, struct buffer *tex
     }
 }
 
-/* Does the work of explain_unknown() for a statement without leading blanks: tries rewritten forms
- * first, then meanings of the word, then other words of the sentence, and replaces the hint by what
- * it finds. */
+/* Does the work of explain_unknown() for a statement without leading blanks. Tries in order:
+ * rewritten forms of the statement, places where the word at error->where would be valid, meanings
+ * of the word, names in the rest of the statement. Replaces the error's hint by what is found
+ * first, else leaves the hint or points to `apropos`. */
 static void explain_word(const struct session *session, struct text statement, struct error *error)
 {
     const struct text where = error->where;

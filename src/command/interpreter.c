@@ -144,8 +144,10 @@ static bool draw_redirected(struct session *session, const struct arguments *arg
     return false;
 }
 
-/* Runs a command, keeps the tables that it makes as results, and writes the table or picture to the
- * file behind > if there is one; nothing else is printed then. */
+/* Runs the command `entry` with its arguments and keeps the tables in its reply as results of the
+ * session. With a redirection (`> FILE`) nothing is printed; the last table, or the picture for
+ * redirect->plot, is written to the file, which is abandoned if the command fails. Returns false
+ * with the error set if the command or writing fails. */
 static bool run_collected(struct session *session, const struct arguments *arguments, size_t entry,
                           struct redirect *redirect, struct reply *reply, struct error *error)
 {

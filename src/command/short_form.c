@@ -72,8 +72,10 @@ static bool hold_result(void *context, struct text text)
     return true;
 }
 
-/* Sink for messages: keeps a message at its place among the results; those before the first result
- * are passed on. */
+/* Sink for messages while the short form is active; context is the struct short_form. Appends the
+ * message to the held text and notes its position, so that it appears in order among the results.
+ * Messages before the first result, and those beyond SHORT_FORM_MESSAGES, go directly to the outer
+ * sink. Returns false if that fails. */
 static bool hold_message(void *context, struct text text)
 {
     struct short_form *form = context;
@@ -138,8 +140,10 @@ static bool write_line(const struct short_form *form, bool message, struct text 
     return (message ? form->outer.err : form->outer.output)(form->outer.context, line);
 }
 
-/* Writes what was held: all messages, and the head and tail of the results with a line in place of
- * what is left out. Rows are counted first. */
+/* Ends the short form: writes all held messages, and the first and last rows of the held results
+ * with a line "... n more rows: --full" between them, so that about form->rows_max rows appear in
+ * all. Rows of the terminal are counted first, then the lines are written to the outer sink. Frees
+ * the held text; sets reply->failed if writing fails. */
 void short_form_end(struct short_form *form, struct reply *reply)
 {
     if (!form->active)

@@ -104,9 +104,10 @@ static double largest_deviation(const struct stamps *s, double first, double ste
     return deviation;
 }
 
-/* Finds how the stamps were rounded: to the coarsest decimal place of which all are multiples, not
- * finer than the deviation; or to the fewest significant digits. Returns false if no rounding
- * explains them. */
+/* Finds how the stamps were rounded and stores the rule in *rounding. Tries multiples of powers of
+ * ten first, from coarse to fine, but not finer than `deviation`, the largest distance of a stamp
+ * from the even grid with this step; then a number of significant digits, the fewest first. Returns
+ * false if neither explains the stamps. */
 static bool find_rounding(const struct stamps *s, double step, double deviation,
                           struct stamp_rounding *rounding)
 {
@@ -132,11 +133,11 @@ static bool find_rounding(const struct stamps *s, double step, double deviation,
     return rounding->digits <= DIGITS_MAX;
 }
 
-/*
- * Returns the distance by which the lines of this slope miss being within half a digit of every
- * stamp: the largest lower end above the line less the smallest upper end. It is a convex function
- * of the slope, and negative if there are such lines. *derivative is its slope.
- */
+/* Returns by how much the best line with slope `step` through the stamps misses one of their
+ * rounding intervals, which reach half a digit up and down; the result is <= 0 if a line passes
+ * through all of them. As a function of the slope it is convex, and *derivative is set to its
+ * derivative. Computed as the largest lower end minus the smallest upper end of the intervals,
+ * relative to the line. */
 static double slope_miss(const struct stamps *s, const struct stamp_rounding *rounding, double step,
                          double *derivative)
 {

@@ -18,9 +18,11 @@ static double fraction_excess(double fraction)
     return fraction > 1 + FRAME_MARGIN ? fraction - 1 : 0;
 }
 
-/* Counts the samples of a curve that lie outside of the axes, and finds where the curve first
- * leaves and its farthest value. Only a plane can be left through its left and right side; else
- * samples beyond the x range are ignored, as are values below the minimum of a logarithmic axis. */
+/* Describes in *outside which part of curve `index` lies beyond the axes: how many of its samples
+ * (count of total), at which time or x the curve first leaves the axes (leaves, position), and its
+ * farthest value (farthest, along_x, is_beyond_upper). In a plane x and y count; in other figures
+ * samples beyond the x range are ignored, as are values below the minimum of a logarithmic y axis.
+ */
 void curve_outside(const struct figure *figure, const struct figure_layout *layout, int index,
                    struct curve_outside *outside)
 {

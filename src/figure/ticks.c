@@ -89,10 +89,10 @@ static int decimal_exponent(double x)
     return (int)floor(log10(x) + 1e-9);
 }
 
-/*
- * Takes the common part off the labels of a range so narrow that they would have more digits. This
- * offset is below the lower end, so that no label is negative.
- */
+/* Splits a common offset off the labels if the range is so narrow that labels would need more than
+ * LABEL_DIGITS_MAX digits. The offset is rounded down to a power of ten about the length of the
+ * range, so that no label is negative. Sets offset, offset_power and offset_decimals (format of the
+ * offset) and exponent and decimals (format of the remaining labels); otherwise changes nothing. */
 static void ticks_split_offset(struct ticks *ticks)
 {
     double last = ticks->first + (ticks->count - 1) * ticks->step,

@@ -6,8 +6,9 @@
 #include <math.h>
 #include <string.h>
 
-/* Takes one NAME=... argument, which may contain blanks, off the text: it ends before the next
- * NAME=, --option or the word `at`. Returns it without outer blanks. */
+/* Removes one NAME=... argument, which may contain blanks, from the start of *rest and returns it
+ * without outer blanks. The argument ends before the next NAME=, --option or the word `at`. *rest
+ * must not be blank. */
 struct text next_key_argument(struct text *rest)
 {
     text_skip_blanks(rest);

@@ -174,9 +174,10 @@ static const struct unit *borrowed_unit(const struct number_part *part,
     return unit;
 }
 
-/* Converts one side of +- to SI units; a bare number is in the unit of the other side, or in the SI
- * unit. Returns false with an error if its dimension does not fit the wanted quantity; the hint
- * explains Hz against rad/s. */
+/* Converts `part`, one side of VALUE +- UNCERTAINTY, to SI units in *si; `other` is the other side.
+ * A bare number has the unit of the other side, or the SI unit. `what` names the value and `typed`
+ * is its text, both for messages. Returns false with an error if the dimension does not fit
+ * `wanted` or if it is unclear which unit a bare side has; a hint explains Hz against rad/s. */
 static bool convert_to_si(const struct number_part *part, const struct number_part *other,
                           const char *what, enum quantity wanted, struct text typed, double *si,
                           struct error *error)

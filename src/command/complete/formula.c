@@ -55,7 +55,8 @@ static bool behind_equals(struct text text, struct text *value)
     return equals;
 }
 
-/* Completes NAME when EXPR [rising|falling|touching] do stop|record|COMMANDS. */
+/* Offers completions for the arguments of `event`: NAME when EXPR [rising|falling|touching] do
+ * stop|record|COMMANDS. `rest` is the line after the word `event`, up to the cursor. */
 static void complete_event(struct completion *c, struct text rest)
 {
     const int words = count_words(rest);
@@ -102,8 +103,10 @@ static void complete_event(struct completion *c, struct text rest)
     complete_offer(c, "do", "");
 }
 
-/* Completes a line that defines a scene or an event: names of lines before the '=', names in
- * expressions behind it. */
+/* Offers completions for a command that defines a line of the scene or an event; `rest` is the line
+ * after the command's name, up to the cursor. Before the '=' the names of existing lines of that
+ * kind are offered, behind it names for the expression; `force` and `potential` have no '=', so
+ * that their expression begins at once. */
 void complete_formula(struct completion *c, const struct command *command, struct text rest)
 {
     const bool var = command->completes == COMPLETES_VARIABLE,

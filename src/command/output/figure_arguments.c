@@ -8,8 +8,11 @@
 #include <math.h>
 #include <string.h>
 
-/* Chooses the runs: those named, every one, or the current one unless only a recording was
- * named. */
+/* Sets request->run [request->runs] to the indices of the runs to plot: those named by run=, all
+ * for run=all, or the current run if neither a run nor a recording is named. Sets
+ * request->recording to the recording named by data=, to the default one of this kind of plot, or
+ * to -1. The array is in the arena. Returns false with the error set if nothing is left to plot or
+ * the kind of plot does not show recordings. */
 static bool choose_runs(struct session *session, const struct arguments *args,
                         struct figure_request *request, struct error *error)
 {

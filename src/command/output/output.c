@@ -117,8 +117,9 @@ static bool reply_in_pieces(const struct session *session, struct text text, str
     return true;
 }
 
-/* Writes the scene as a program, by the module that knows the ending of the file. Returns false
- * with the error set. */
+/* Writes the scene as a program in another language: the ending of FILE chooses the module and the
+ * language. Existing files need --force. Reports file and language in the reply. Returns false with
+ * the error set if no module knows the ending, the scene cannot be translated, or writing fails. */
 static bool export_scene(struct session *session, const struct arguments *args, struct reply *reply,
                          struct error *error)
 {

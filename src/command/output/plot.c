@@ -133,8 +133,10 @@ static struct text take_unit(struct text label, struct axis *axis)
     return text_trim((struct text){label.data, open - 1});
 }
 
-/* Replaces title, labels and names of curves by those that the user gives. Returns false with the
- * error set. */
+/* Replaces the figure's title, axis labels and names of curves by the arguments title=, xlabel=,
+ * ylabel= and label=, and sets its grid. Curves and second axes are copied to the arena first,
+ * since the originals are const. Returns false with the error set if more labels than curves are
+ * given or if out of memory. */
 static bool choose_words(const struct arguments *args, struct figure *figure, struct error *error)
 {
     const struct argument_value *title = argument_value(args, "title"),
@@ -250,8 +252,10 @@ static bool write_figure(const struct session *session, const struct arguments *
     return ok;
 }
 
-/* Moves the legend of a study's figure below it if the frame has no room for it. Appends its lines
- * to *lines and returns how many, 0 if it stays; the curves have no names then. */
+/* Moves the names of the curves from the frame of a study's figure to lines below it if they do not
+ * fit beside the title in `width` cells. Then appends those lines to *lines, removes the names from
+ * the curves (a copy in the arena), and returns the number of lines. Returns 0 if the legend stays
+ * in the frame or if out of memory. */
 static int move_legend(struct figure *figure, int width, struct arena *arena, struct buffer *lines)
 {
     enum { BESIDE = 14 /* [cell] of the frame: blanks, brackets, corners */, GAP = 3 };

@@ -33,8 +33,10 @@ bool event_react(struct session *session, const struct event_line *event,
     return ok;
 }
 
-/* Returns true, with the error set, if events stop the run too often, or repeat in ever shorter
- * times like the bounces of a ball (Zeno). */
+/* Checks whether events stop the run too often: more than PASSES_MAX times in one command, or the
+ * same event in ever shorter intervals, like the bounces of a ball (Zeno). Updates the statistics
+ * of pass->event[] with the event records since the last call. Returns true with the error set if
+ * so, else false. */
 static bool piles_up(const struct run_slot *slot, struct event_pass *pass, struct error *error)
 {
     const struct run *run = slot->run;

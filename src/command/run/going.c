@@ -217,8 +217,10 @@ static void reply_event(const struct run_slot *slot, const struct event_line *st
                    plural_s((int64_t)count));
 }
 
-/* Replies with the result of the run, its error estimate and warnings. Returns false with the error
- * set if the run did not reach its target. */
+/* Replies with the result of a run that has just been advanced: event, second opinion, warnings,
+ * and why it stopped. `pass` holds the events that stopped it; pass->count is 0 if none did.
+ * Returns false with the error set if the run was interrupted, given up or failed, if the condition
+ * of `until` did not become true, or if the second opinion shows the result to be lost. */
 static bool advance_finish(struct session *session, const struct advance *advance,
                            const struct event_pass *pass, struct reply *reply, struct error *error)
 {

@@ -11,9 +11,10 @@
 #define UNTIL_DURATIONS 1000  /* number of durations after which `run until` gives up */
 #define STEPS_MOST 1000000000 /* most steps of `step N` */
 
-/* Creates a run of the set-up and makes it the current one; span [s] and steps (none if < 0) are
- * what it is planned for. Returns NULL with the error set, also if it would take long and this is
- * not allowed. */
+/* Creates a run of the session's set-up and makes it the current one. The run is planned for a span
+ * [s, negative for backwards] of at most `steps` steps; steps < 0 means no limit. `force` allows
+ * runs that take long. Returns NULL with the error set if the run cannot be created or would take
+ * too long. The session owns the run. */
 static struct run *new_run(struct session *session, double span, int64_t steps, bool force,
                            struct error *error)
 {

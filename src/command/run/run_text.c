@@ -97,9 +97,10 @@ static void reply_offset(const struct session *session, const struct data_distan
                SHOWN_QUANTITY(recording->zero + data->offset, own, 4));
 }
 
-/* Appends the error of the energy, or of its balance if drag or a drive changes it. For long runs
- * it is that of some rows or, if that takes too long, the energy at the end. If the error is large
- * only because the energy was far larger on the way, that peak is named. */
+/* Appends the largest relative error of the energy, or of the energy balance if drag or a drive
+ * changes the energy. In long runs only some rows are sampled or, if even that would take too long,
+ * the energy at the end is given instead. If a notable error comes from a peak of the energy during
+ * the run, the peak is given, too. Appends nothing for a run that ends at a singularity. */
 static void put_energy(const struct run *run, struct buffer *text)
 {
     const double notable = 1e-3; /* relative to E0; smaller errors need no explanation */

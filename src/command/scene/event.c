@@ -61,7 +61,9 @@ static bool check_commands(struct text commands, struct error *error)
     return true;
 }
 
-/* Reads do stop|record|COMMANDS. Returns false with the error set. */
+/* Reads the end of an event's definition: do stop|record|COMMANDS. Sets line->action; *commands is
+ * the word or string behind `do`. Commands in a string are checked for syntax. Returns false with
+ * the error set if anything is malformed, too long or follows the action. */
 static bool read_action(struct parser *parser, struct event_line *line, struct item *commands,
                         struct error *error)
 {

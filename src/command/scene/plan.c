@@ -6,7 +6,9 @@
 #include <hooke/run/price.h>
 #include <hooke/command/handler.h>
 
-/* Appends the predicted work and its parts. */
+/* Appends to `text` the predicted work of a run with these settings and its parts, one per feature
+ * that costs time (steps, events, second opinion). settings->opinion is translated to the effort 0
+ * (off), 1 (auto) or 2 (full). */
 static void plan_prices(const struct session *session, const struct system *system,
                         const struct run_settings *settings, const struct plan *plan,
                         struct buffer *text)

@@ -32,8 +32,8 @@ static bool preset_sets(const struct preset *preset, const char *name)
     return false;
 }
 
-/* Describes the scene with the parameters that matter: m, k, gamma, y0, v0 and others that are
- * set. */
+/* Replies with the scene: preset, lines, parameters (of an oscillator m, k, gamma, y0, v0 and those
+ * that the user or the preset has set), duration and events. */
 static void reply_scene(const struct session *session, struct reply *reply)
 {
     static const char always[] = " m k gamma y0 v0 ";

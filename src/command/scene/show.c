@@ -48,7 +48,8 @@ static void shown_value_put(struct reply *reply, const struct shown *shown, cons
     reply_records(reply, "show", &shown_columns, shown, 1);
 }
 
-/* Shows a value with its uncertainty and unit. */
+/* Replies with a named value, its uncertainty and unit, rounded to the setting `digits`; a value
+ * that is not finite is shown as "undefined". `brief` describes the value. */
 static void show_value(const struct session *session, const struct named_value *value,
                        const char *brief, struct reply *reply)
 {

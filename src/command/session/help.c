@@ -148,7 +148,7 @@ static void put_stable_limit(const struct method *method, struct buffer *text)
     }
 }
 
-/* Explains a method: formula, coefficients, order, properties, drag variants, source. */
+/* Appends a method's help: formula, coefficients, order, properties, drag variants, source. */
 static void help_method(const struct row *row, struct buffer *text)
 {
     static const struct {

@@ -117,8 +117,10 @@ static void put_stable(double limit, struct buffer *line)
         buffer_format(line, "%-8.3g ", limit);
 }
 
-/* Lists the methods that fit the words, as a table with a heading, and calls record for each.
- * Returns false with the error set if none does. */
+/* Replies with a table of the methods that have all properties named in `words` (all methods if it
+ * is empty), and calls record() for each, where `stable` is the largest stable omega0 dt. Returns
+ * false with the error set if a word is unknown, no method has the properties, or the computation
+ * is cancelled. */
 bool list_methods(struct text words, const struct cancel *cancel,
                   void (*record)(const struct row *row, double stable, struct reply *reply),
                   struct reply *reply, struct error *error)

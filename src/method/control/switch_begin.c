@@ -148,8 +148,10 @@ static bool leave_switch(const struct step *step, struct switches_state *state,
     return true;
 }
 
-/* Changes branches that do not hold at the start of a step, because their guards are 0 and fall, to
- * the next branch, and then to sliding. Returns false if none of them holds. */
+/* Makes the branches of all switches consistent at the start of a step. A branch whose guard is
+ * about to become negative, probed by an Euler step over probe_step [s], is changed to the next
+ * branch, and if that does not help, to sliding. On success *frozen is the system with these
+ * branches and *sliding its sliding motion. Returns false if no combination is found. */
 static bool branches_settle(struct step *step, struct switches_state *state, double probe_step,
                             struct sliding *sliding, struct system *frozen)
 {
@@ -193,8 +195,10 @@ static bool branches_settle(struct step *step, struct switches_state *state, dou
     return false;
 }
 
-/* Makes the motion slide along all switches that have changed recently, except those that it
- * crosses. */
+/* Starts sliding at once along every switch that has changed recently (state->recent), for motion
+ * that would otherwise switch back and forth in ever shorter steps. Switches that the sliding
+ * motion would cross are then released with their former branch. probe_step [s] is the length over
+ * which sliding is tested. */
 static void pile_up(struct step *step, struct switches_state *state, double probe_step)
 {
     const struct switches_state was = *state;

@@ -83,8 +83,11 @@ static bool ends_at_pole(struct step *step, double t, double h)
     return false;
 }
 
-/* Takes one segment over at most `rest`; step->h is how far it went. Sets *ended to the switch at
- * its end, or -1. `last` forbids another segment. A pole is stepped across without ending there. */
+/* Takes a segment of a step, at most `rest` [s] long, that ends at the first switch in it. On
+ * return step->h is the length of the segment and *ended the index of the switch, or -1 if the
+ * segment fills `rest`. With `last` set, switches are not looked for, since no further segment is
+ * allowed. If a pole of the force lies at the switch, the whole of `rest` is stepped without ending
+ * there. Returns the status of the method's step. */
 static enum step_status step_segment(const struct method *method, struct step *step,
                                      struct switches_state *state, double rest, bool last,
                                      int *ended)

@@ -95,8 +95,10 @@ enum step_status turn_step(const struct method *method, struct step *step, doubl
     return STEP_OK;
 }
 
-/* Takes a step in segments that meet at turning points, until they fill it; on failure the state at
- * its start is restored. */
+/* Takes one step of length step->h, split into segments at turning points (where the velocity
+ * changes sign) for methods and systems that need it, else undivided; at most TURN_PIECES segments.
+ * Systems with switches are left to switched_step(). Returns the status; on failure time and state
+ * are those from before the step. */
 enum step_status method_turning_step(const struct method *method, struct step *step)
 {
     if (method_meets_switches(method, step->system))

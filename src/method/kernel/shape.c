@@ -44,8 +44,10 @@ PROGRAM_FUNCTION(terms_run)
     return (struct leading){a[0], a[1]};
 }
 
-/* Makes *part the function of the system's built-in terms, with frame as its memory. Returns false
- * unless it is an equation of motion of one or two coordinates. */
+/* Makes *part evaluate the system's built-in terms: by a function specialized for their combination
+ * if there is one, else term by term. `frame` is memory for that function, which *part refers to.
+ * Returns false, with nothing changed, unless the system is of second order with at most MOST state
+ * variables. */
 static bool built_in_take(const struct system *system, struct typed_addend *part, double *frame)
 {
 #define RUN_ENTRY(shape) shape##_run,
@@ -81,7 +83,9 @@ static bool sum_take(struct typed_sum *sum, struct typed_forces *known, int *lef
     return true;
 }
 
-/* A program_function that adds the parts of a sum over one coordinate; frame points to the sum. */
+/* Computes the acceleration of one coordinate as the sum of parts: a part with its own function
+ * calls it, others add a built-in term. Has the signature of a program_function; `frame` points to
+ * a struct typed_sum, q and v are position and velocity, and the other arguments are unused. */
 static struct leading sum_run(const struct program *program, double t, double q, double v,
                               const double *state, const double *args, double *output,
                               double *frame)

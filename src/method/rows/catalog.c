@@ -148,8 +148,10 @@ void method_end(const struct method *method, struct step *step)
     step->library = NULL;
 }
 
-/* Checks the needs of the method (order of the equations, exact solution, potential, velocity, drag
- * variant) and sets *drag to the variant. Returns false with the error set. */
+/* Checks that the system offers what the method needs: second order, an exact solution, forces
+ * without velocity, a potential, a splitting. *drag is in and out: the wanted drag variant, or
+ * DRAG_DEFAULT, which becomes the method's own default. Returns false with the error set if a need
+ * is not met or the method lacks the variant. */
 static bool check_needs(const struct method *method, const struct system *system, enum drag *drag,
                         struct error *error)
 {

@@ -61,11 +61,14 @@ bool newton_filter(const struct implicit_tableau *tableau, struct step *step, do
     return true;
 }
 
-/* Iterates until the remaining error, estimated from the rate at which increments shrink, is at
- * most `enough`. The rate is that of this solution: a single increment is accepted only if it is
- * itself that small, because the convergence of earlier steps says nothing about this one (Hairer
- * and Wanner carry a rate over, but let it age). The estimate is cautious, since slowly shrinking
- * parts may hide behind faster ones, as across a kink. */
+/* Solves the stage equations of an adaptive step of length h at time t by simplified Newton
+ * iterations. z [stages * n] is in and out: the first guess, then the solution; y is the state and
+ * weight [n] scales the norm of increments. Stops when the remaining error, estimated from the rate
+ * at which increments shrink, is at most `enough`, in that norm. The rate is measured in this
+ * solve, because the convergence of earlier steps proves nothing about it; *workspace->rate of
+ * earlier steps only ages. The estimate is cautious, since slowly shrinking parts may hide behind
+ * faster ones, as across a kink. Returns STEP_NO_SOLUTION if the iteration diverges or is too slow.
+ */
 static enum step_status iterate_to_tolerance(const struct newton *equations, struct step *step,
                                              double t, double h, const double *y, double *z,
                                              const double *weight, double enough,

@@ -34,8 +34,9 @@ size_t structural_work(const struct method *method, int n)
            newton_capacity(1, n);
 }
 
-/* Factors (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy + gamma tau dF/dv), with derivatives at t
- * and state. Returns false if it is singular. */
+/* Computes the LU factors [d x d], d = n/2, of (1 - alpha_m) - (1 - alpha_f) (beta tau^2 dF/dy +
+ * gamma tau dF/dv), the Newton matrix of a step of length tau, with derivatives at time t and
+ * `state` [n]. jacobian [n x n] is work space. Returns false if the matrix is singular. */
 static bool factor_matrix(const struct structural *s, struct step *step, double t, double tau,
                           const double *state, double *jacobian, double *factors)
 {
@@ -131,8 +132,11 @@ static void increment_jacobian(const void *forces, double t, const double *y_end
         }
 }
 
-/* Finds the solution z over tau that is reached from h = 0, by newton_follow(), and a+ (`ahead`)
- * from the force there. Returns false if there is none. */
+/* Finds the increment z [n] of a step of length tau by continuing the solution from a step of
+ * length 0 (newton_follow()), for steps in which Newton iterations fail or find another root. Sets
+ * ahead [n/2] to the acceleration at the end, computed from the force at y_mid [n], the state
+ * within the step. a [n/2] is the acceleration at the start, `work` space for newton_follow().
+ * Returns false if no solution is found. */
 static bool structural_follow(const struct structural *s, struct step *step, double tau,
                               const double *a, double *ahead, double *z, double *y_mid,
                               double *work)
@@ -161,10 +165,13 @@ static bool structural_follow(const struct structural *s, struct step *step, dou
 
 /* ---- a step ---- */
 
-/*
- * Iterates a+ (`ahead` [n/2]) and the state's increment z [n] over tau side by side, so that each
- * has only its own rounding. Sets *is_near_root as newton_iterate() does.
- */
+/* Solves the implicit equations of a generalized-alpha step of length tau by Newton iterations. a
+ * [n/2] is the acceleration at the start. The results are ahead [n/2], the acceleration at the end,
+ * and z [n], the increment of the state; both are iterated side by side, so that neither is a
+ * difference with the rounding of the other. The arrays continue with work space behind these
+ * elements. Sets *is_near_root as newton_iterate() does: to false if the increments shrink too
+ * slowly or a Newton matrix has a negative determinant, since the solution may then belong to
+ * another root. Returns STEP_NO_SOLUTION if the iteration does not converge. */
 static enum step_status structural_iterate(const struct structural *s, struct step *step,
                                            double tau, const double *a, double *ahead, double *z,
                                            bool *is_near_root)

@@ -80,8 +80,9 @@ bool collect_put_calibration(const struct collection *c, struct error *error)
     return ok;
 }
 
-/* Applies a calibration that was made meanwhile: writes it to the file and begins to read the file
- * again. */
+/* Adopts a calibration that the user made while data are collected: writes it to the collected
+ * file, drops the recording made so far, and restarts reading the file from its beginning, so that
+ * all values are converted anew. Does nothing if the calibration is unchanged. */
 static void apply_new_calibration(struct collection *c)
 {
     const struct calibration *wanted = &c->session->setup.calibration;

@@ -116,9 +116,10 @@ static bool read_options(const struct arguments *args, struct collection *c, str
 
 /* ---- the file ---- */
 
-/* Opens the file for appending and writes its head: the statement that repeats the collection, and
- * the calibration. Returns its descriptor, or -1 with an error if the source does not exist, the
- * file exists already, or writing fails. */
+/* Opens the file c->path for appending. A new file gets a head: the statement that repeats the
+ * collection, and the calibration; with c->again, an existing file is extended after a line that
+ * marks the pause. Returns the file descriptor, or -1 with an error if the source does not exist or
+ * is the same file, if a new file exists already, or if writing fails. */
 static int open_collected_file(const struct collection *c, const struct arguments *args,
                                struct error *error)
 {
@@ -178,8 +179,10 @@ static const char *visible_path(const struct arguments *args, const char *path)
     return copy;
 }
 
-/* Runs a collection from beginning to end: opens file and source, follows the lines, and makes the
- * recording. Returns false with an error. */
+/* Runs a collection from beginning to end: opens file and source, follows the lines until the
+ * collection ends, and makes the recording. While it runs, session->growing and part->now point to
+ * its state. Returns false with an error if file or source cannot be opened or collect_finish()
+ * fails. */
 static bool collection_start(struct collection *c, const struct arguments *args,
                              struct error *error)
 {

@@ -55,8 +55,9 @@ static enum drag drag_of_row(const struct session *session, const struct table *
     return index < 0 ? DRAG_DEFAULT : session->runs.slot[index]->run->settings.drag;
 }
 
-/* Chooses the methods that are given, with the settings that are set, or those that were compared
- * last. Returns NULL if out of memory. */
+/* Returns the methods to compare, an array [*count] in the arena: the given ones with the session's
+ * tol (adaptive methods) or dt, or, if `methods` is 0, those of the last `compare` with the
+ * settings they had then. Returns NULL if out of memory. */
 static struct contestant *choose_contestants(const struct session *session,
                                              const struct row *const *method, int methods,
                                              int *count, struct arena *arena)

@@ -100,8 +100,9 @@ static void range_extend(double range[2], double value)
     range[1] = fmax(range[1], value);
 }
 
-/* Makes the curve of method c and that of its failed settings, and extends the ranges of the axes.
- * Returns false if out of memory. */
+/* Fills two curves of the diagram of error over work for method c: its valid points, and its failed
+ * settings as marks at the top edge. Extends the ranges d->work and d->error by them. Returns false
+ * if out of memory. */
 static bool add_method(struct diagram *d, int c)
 {
     const struct precision *precision = d->precision;

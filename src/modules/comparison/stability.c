@@ -77,8 +77,9 @@ static const char *outcome_name(enum stop stop)
     return stop == STOP_SINGULAR ? "its solution ends" : stop_name(stop);
 }
 
-/* Describes the scene that was studied: its frequency and damping or rate, whether it grows by
- * itself and, if it is not linear, how a run with this dt went. */
+/* Appends what was found about the scene that the stability study used: omega and zeta, or the rate
+ * of a first-order equation, whether the motion itself grows and, for a scene that is not linear,
+ * how far a run with this dt came. */
 static void put_scene(struct buffer *output, const struct session *session,
                       const struct stability *s)
 {

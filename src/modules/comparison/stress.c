@@ -100,9 +100,10 @@ static void put_right(const struct stress_total *total, int methods, int width,
     buffer_free(&line);
 }
 
-/* Appends a table with a line for each method that is wrong somewhere, the worst first, as many as
- * fit into `rows`, then the names of the others. If no method is wrong, all have a line where they
- * fit. */
+/* Appends a table with a line for each method that is wrong in some case, the worst first, within
+ * `rows` rows of `width` cells, then the names of the methods that are right. Methods that do not
+ * fit are counted in a line "... n more". If no method is wrong, all have a line if there is room.
+ * Sets output->failed if out of memory. */
 static void put_totals(const struct stress *stress, const struct method *const *method, int methods,
                        int width, int rows, struct arena *arena, struct buffer *output)
 {

@@ -110,9 +110,10 @@ static bool is_near_pause(const struct arrivals *a, size_t line)
                         (line + 1 < a->n && a->pause[line + 1]));
 }
 
-/* Finds lost lines: wherever the smallest delays rise by whole intervals for good, the numbers
- * (place) of the following lines are shifted. Returns by how many in all; adds those that are not
- * due to pauses to *lost. */
+/* Finds lost lines from the arrival times: where the smallest delay per block of lines rises by
+ * whole intervals and stays there. place [n] is in and out: the number of each line in a complete
+ * sequence, which is raised behind each loss. scratch [n] is work space. Adds losses that are not
+ * due to pauses to *lost. Returns the total number of lost lines, those in pauses included. */
 static size_t find_lost(const struct arrivals *a, struct arrival_line line, double *place,
                         double *scratch, size_t *lost)
 {

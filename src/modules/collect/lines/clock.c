@@ -123,9 +123,10 @@ static double step_across_restart(double was, double now, double passed,
     return steps->whole ? nearbyint(step) : step;
 }
 
-/* Returns true if a column starts anew again and again after the same number of lines, at the same
- * value: it is a periodic signal rather than a clock. Counters that are full do so, too, and are
- * clocks. */
+/* Returns true if the column v [n] is a periodic signal rather than a clock: it falls back
+ * regularly, after equal numbers of lines and to nearly equal values, in at least SAWTOOTH_CYCLES
+ * cycles. Counters that overflow do so, too, but count as clocks; they are recognized by the size
+ * of the fall. `steps` holds the usual step of the column. */
 static bool is_sawtooth(const double *v, size_t n, const struct clock_steps *steps)
 {
     size_t begun = 0, first = 0, shortest = n, longest = 0, cycles = 0;
@@ -161,8 +162,11 @@ static bool steps_are_even(const double *v, size_t n, const struct clock_steps *
     return (double)even >= RISING_UNNAMED * (double)steps->rises;
 }
 
-/* Mends the stamps v [n] in place: single wrong ones become NAN, and after a new start or an
- * overflow an offset makes the times continue. Returns false if out of memory. */
+/* Repairs the time stamps v [n], n = a->n, in place: single wrong ones become NAN, and after a
+ * restart or an overflow of the clock an offset makes the times continue. `trusted` means that v is
+ * known to be a clock; otherwise the column must look like one before steps back are repaired.
+ * *mended counts the repairs and flags restarts per line (in the arena). Returns false if out of
+ * memory. */
 bool clock_mend(const struct arrivals *a, bool trusted, struct arena *arena, double *v,
                 struct clock_mended *mended)
 {

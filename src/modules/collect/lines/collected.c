@@ -201,9 +201,10 @@ static bool add_arrivals(struct recording *recording, const struct arrivals *arr
  * of the stated one is confirmed. */
 #define CLOCK_UNIT_TOLERANCE 0.01
 
-/* Mends the stamps of a column before it is used; its steps back are trusted if the user has named
- * its unit, it is one of time, or the arrivals show that it is a clock. Returns false if out of
- * memory. */
+/* Repairs the time stamps in column column_index of a recording (nothing is done for < 0) and
+ * describes the repairs in *mended. Steps back are taken as restarts of a clock if that is certain:
+ * the user has named the column's unit (`said`), its quantity is a time, or its pace against the
+ * arrival times is one of the usual units. Returns false if out of memory. */
 static bool mend_clock(struct recording *recording, const struct arrivals *arrivals,
                        int column_index, bool said, struct arena *arena,
                        struct clock_mended *mended)

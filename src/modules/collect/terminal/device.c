@@ -86,7 +86,9 @@ static bool make_raw(struct device *device, const char *path, long baud, struct 
     return true;
 }
 
-/* Checks and locks the opened source and, if it is a terminal, sets its modes. Returns false with
+/* Checks the opened source device->fd, locks it against other programs that collect from it and, if
+ * it is a terminal, sets raw mode and the speed `baud`. Sets device->grows for regular files, which
+ * are followed as they grow. `safe` (option --safe) refuses character devices. Returns false with
  * an error. */
 static bool prepare_source(struct device *device, const char *path, long baud, bool safe,
                            struct error *error)

@@ -84,8 +84,9 @@ static bool execute_command(struct session *session, const char *command, struct
     return ok;
 }
 
-/* Reads KEY=VALUE, of the sensor or else a parameter of the scene. Returns false after a message.
- */
+/* Applies one KEY=VALUE of the command line of the simulated sensor: a key of the sensor sets a
+ * member of *sensor; any other word is executed as a parameter of the scene. Returns false after a
+ * message if the value is malformed or out of range. */
 static bool take_word(struct session *session, struct sensor *sensor, struct text word)
 {
     const char *mark = memchr(word.data, '=', word.len);

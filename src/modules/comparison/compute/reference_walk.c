@@ -176,10 +176,12 @@ static enum stop cross_bursts(struct reference_search *search, struct solver *s,
     return stop;
 }
 
-/* Solves so that steps end at every grid time. If the laws do not depend on time, the clock starts
- * at 0 in each interval, so that rounding of the time does not add up. `steps` is the number in an
- * interval, or 0 for adaptive steps. The first adaptive solution also looks for bursts. Returns
- * STOP_END, or why it stopped. */
+/* Solves the system from its start and stores the state at each of the STUDY_TIMES grid times in
+ * `grid` [STUDY_TIMES x n]; steps end exactly at these times. `steps` is the number of steps in an
+ * interval, or 0 for adaptive steps. If the laws do not depend on time, the clock starts at 0 in
+ * each interval, so that rounding of the time does not add up. The first adaptive solution of a
+ * search also looks for bursts (search->bursts). Returns STOP_END, or the reason for an early stop.
+ */
 static enum stop walk_grid(struct reference_search *search, struct solver *s, int64_t steps,
                            double *grid)
 {
