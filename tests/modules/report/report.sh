@@ -65,6 +65,8 @@ grep -oE '[0-9.]+ ± [0-9.]+' new/report.md | awk '{
 } END { if (n < 50) print "only " n + 0 }' >digits.txt
 [ ! -s digits.txt ]
 ok "values end where their uncertainties do" $? "$(cat digits.txt)"
+! grep -q '^#.*_' new/report.md
+ok "headings are words, not names of the source" $? "$(grep '^#.*_' new/report.md)"
 ! grep -qE '[0-9]*[.][0-9]{9,}' new/report.md
 ok "and none has nine decimals" $? "$(grep -E '[0-9]*[.][0-9]{9,}' new/report.md)"
 
