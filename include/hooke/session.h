@@ -160,6 +160,7 @@ enum entry_flag {
     ENTRY_NESTS = 128,     /* The entries that it executed follow it. */
     ENTRY_WRITES = 256,    /* It only wrote a file. */
     ENTRY_LOST = 512,      /* There was no memory for its full text. */
+    ENTRY_UNDONE = 1024,   /* Undo took its effect back, and redo did not bring it again. */
 };
 
 /* A line or a statement; offsets are bytes since the beginning of the session. */
@@ -172,8 +173,8 @@ struct entry {
 };
 
 /* The latest lines and statements in the order in which they began; entries do not change after
- * their end. Entries and bytes are counted from the beginning of the session; the oldest that are
- * stored are entry `first` and byte text_first. */
+ * their end, except that undo and redo mark them. Entries and bytes are counted from the beginning
+ * of the session; the oldest that are stored are entry `first` and byte text_first. */
 struct history {
     struct buffer text;
     struct entry *entry;

@@ -135,7 +135,8 @@ bool history_is_typed(const struct session *session, const struct entry *entry);
 
 /* Ways of reading the history. */
 enum history_reading {
-    HISTORY_RECORD, /* Statements that succeeded, as typed. */
+    HISTORY_RECORD,   /* Statements that succeeded, as typed. */
+    HISTORY_IN_FORCE, /* Those of HISTORY_RECORD without the ones that undo took back. */
     /* Statements that led to the current state, with the content of executed files instead of
      * these, without those that write files. */
     HISTORY_SCRIPT,

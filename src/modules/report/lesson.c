@@ -30,7 +30,7 @@ static void say_step(const struct session *session, struct reply *reply)
         lesson_expand(session, step.says, false, &text);
         lesson_expand(session, step.command, true, &command);
         reply_paragraph(reply, buffer_text(&text), width);
-        if (!session->front.interactive || strstr(buffer_view(&command), "MASS"))
+        if (!session->front.interactive || lesson_asks_mass(session))
             reply_line(reply, "  type: %s", buffer_view(&command));
         if (!step.done)
             reply_line(reply, "  then: check VALUE   (or hint, skip)");
@@ -57,6 +57,7 @@ static bool go_to_step(struct session *session, int step, struct reply *reply, s
     if (!lesson_files(session, reply, error))
         return false;
     say_step(session, reply);
+    lesson->asks_mass = lesson_asks_mass(session);
     return true;
 }
 
@@ -67,14 +68,32 @@ void lesson_label(const struct session *session, struct buffer *text)
         buffer_format(text, "lab %d/%d", lesson->step + 1, lesson->steps);
 }
 
+/* Prints the step's command if it needs a mass that was given before, and undo took it back. */
+static void ask_mass_again(const struct session *session, struct lesson *lesson,
+                           struct reply *reply)
+{
+    const bool asks = lesson_asks_mass(session);
+    struct lesson_step step;
+    struct buffer command = {0};
+    if (asks && !lesson->asks_mass && lesson_step(lesson, lesson->step, &step)) {
+        lesson_expand(session, step.command, true, &command);
+        reply_line(reply, "the mass is not set: type: %s", buffer_view(&command));
+    }
+    buffer_free(&command);
+    lesson->asks_mass = asks;
+}
+
 /* Warns if the next step cannot be begun. */
 void lesson_follow(struct session *session, struct reply *reply)
 {
     struct error error = {0};
     struct lesson_step step;
-    const struct lesson *lesson = session_lesson(session);
-    if (lesson && lesson_step(lesson, lesson->step, &step) && step.done &&
-        lesson_done(session, step.wanted) && !go_to_step(session, lesson->step + 1, reply, &error))
+    struct lesson *lesson = session_lesson(session);
+    if (!lesson || !lesson_step(lesson, lesson->step, &step))
+        return;
+    if (!step.done || !lesson_done(session, step.wanted))
+        ask_mass_again(session, lesson, reply);
+    else if (!go_to_step(session, lesson->step + 1, reply, &error))
         reply_warning(reply, "%s", error.text);
 }
 
@@ -89,13 +108,19 @@ static bool require_lesson(const struct session *session, struct error *error)
     return error_hint(error, "'lab' begins one");
 }
 
-/* Returns true, and says so, if the first step wants a recording and one was loaded before. */
+/* Returns true, and says so, if the first step wants a recording and it was loaded before: one of
+ * the user's own, or the one that the lesson generates for this step. */
 static bool is_loaded(const struct session *session, struct reply *reply)
 {
     struct lesson_step step;
+    const struct lesson *lesson = session_lesson(session);
     const struct recording *recording = session_recording(session);
-    if (!recording || !lesson_step(session_lesson(session), 0, &step) || !step.done ||
-        !text_is(step.wanted, "load"))
+    long seed;
+    bool is_disk;
+    if (!recording || !lesson_step(lesson, 0, &step) || !step.done || !text_is(step.wanted, "load"))
+        return false;
+    if (lesson_generated(recording, &seed, &is_disk) &&
+        (seed != lesson->seed || is_disk != step.disk))
         return false;
     reply_line(reply, "the recording is %s, which is already loaded", recording->name);
     return true;

@@ -26,6 +26,7 @@ struct lesson {
     size_t counted;
     long seed; /* seed of the generated recordings */
     uint64_t passed[LESSON_STEPS];
+    bool asks_mass; /* the mass was asked for and has not been given yet; not stored */
 };
 
 /* One step of a lesson as parsed from its text; the parts point into that text. */
@@ -72,12 +73,20 @@ bool lesson_files(struct session *session, struct reply *reply, struct error *er
 
 /* ---- what is typed, and what is offered (lesson_offer.c) ---- */
 
+/* Returns true if name and content of the recording's file are those of a generated recording, and
+ * sets its seed and whether it has the disk. */
+bool lesson_generated(const struct recording *recording, long *seed, bool *is_disk);
 /* Returns the mass [g] that the lesson's recordings were generated with. */
 double lesson_mass(long seed, bool disk);
 /* Appends the step's text or command with its numbers. Without the lesson's own recordings, a mass
  * of a command is MASS, which only the student knows. */
 void lesson_expand(const struct session *session, struct text text, bool is_command,
                    struct buffer *output);
+/* Returns true if the step's command sets the mass, and the student has given none since the last
+ * step that set it: neither by `m = VALUE` nor for the recording in use. */
+bool lesson_lacks_mass(const struct session *session, const struct lesson_step *step);
+/* Returns true if the current step waits for a mass that only the student knows. */
+bool lesson_asks_mass(const struct session *session);
 /* Appends what is left to do of a command line: without statements that were done since `begun` and
  * without those that would replace a value that was typed. What `adopt` replaces is set again. */
 void lesson_remaining(const struct session *session, struct text command, size_t begun,

@@ -22,13 +22,10 @@ static bool is_own_recording(const struct session *session)
 {
     const struct lesson *lesson = session_lesson(session);
     const struct recording *recording = session_recording(session);
-    char bare[64], disk[64];
-    if (!recording || !lesson)
-        return false;
-    snprintf(bare, sizeof bare, "bare-%ld.txt", lesson->seed);
-    snprintf(disk, sizeof disk, "disk-%ld.txt", lesson->seed);
-    const struct text file = text_last_component(text_of(recording->path));
-    return !text_is(file, bare) && !text_is(file, disk);
+    long seed;
+    bool is_disk;
+    return recording && lesson &&
+           !(lesson_generated(recording, &seed, &is_disk) && seed == lesson->seed);
 }
 
 /* Places the readings in the middle of the first half of six equal parts. Without a recording the
@@ -114,7 +111,7 @@ static bool put_typed(const struct session *session, size_t first, struct text n
 {
     struct buffer script = {0};
     struct text found = TEXT("");
-    history_put(session, first, HISTORY_RECORD, &script);
+    history_put(session, first, HISTORY_IN_FORCE, &script);
     const bool is_found = find_assignment(buffer_text(&script), name, &found);
     buffer_put(output, found);
     buffer_free(&script);
@@ -181,6 +178,31 @@ size_t lesson_set_since(const struct session *session, struct text name)
     return 0;
 }
 
+/* A scene that is chosen or reset after `m = VALUE` takes the value back. */
+bool lesson_lacks_mass(const struct session *session, const struct lesson_step *step)
+{
+    const struct text mass = TEXT("m");
+    const int index = scene_param(&session->setup.scene, "m");
+    const struct recording *recording = session_recording(session);
+    struct text command = step->command, statement;
+    struct error ignored;
+    bool is_set = false;
+    while (command.len > 0 && next_statement(&command, &statement, &ignored))
+        is_set |= text_equal(assigned_name(statement), mass);
+    if (!is_set || index < 0 || (recording && recording->mass.value > 0))
+        return false;
+    return session->setup.origin[index] == 0 ||
+           !is_typed(session, lesson_set_since(session, mass), mass);
+}
+
+bool lesson_asks_mass(const struct session *session)
+{
+    const struct lesson *lesson = session_lesson(session);
+    struct lesson_step step;
+    return lesson && lesson_step(lesson, lesson->step, &step) && is_own_recording(session) &&
+           lesson_lacks_mass(session, &step);
+}
+
 /* Appends a statement, after "; " if it is not the first. */
 static void put_statement(struct text statement, struct buffer *output)
 {
@@ -213,7 +235,7 @@ void lesson_remaining(const struct session *session, struct text command, size_t
     struct text statement;
     struct error ignored;
     bool is_unknown = false;
-    history_put(session, begun, HISTORY_RECORD, &script);
+    history_put(session, begun, HISTORY_IN_FORCE, &script);
     while (!is_unknown && command.len > 0 && next_statement(&command, &statement, &ignored)) {
         const struct text name = assigned_name(statement);
         const struct text word = peek_word(statement, "");

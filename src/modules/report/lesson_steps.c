@@ -8,6 +8,7 @@
 #include <hooke/session/read.h>
 
 #include <stdio.h>
+#include <stdlib.h>
 
 #include <hooke/base/numeric.h>
 #include <hooke/session/log.h>
@@ -75,6 +76,24 @@ double lesson_mass(long seed, bool disk)
     double v[TRUTHS];
     true_parameters(seed, v);
     return v[disk ? DISK_MASS : BARE_MASS];
+}
+
+/* The name is compared, too, since a student gives a mass for a copy with another name. */
+bool lesson_generated(const struct recording *recording, long *seed, bool *is_disk)
+{
+    const struct text file = text_last_component(text_of(recording->path));
+    struct buffer generated = {0};
+    *is_disk = text_starts(file, TEXT("disk-"));
+    *seed = file.len > 5 ? strtol(file.data + 5, NULL, 10) : 0; /* behind "bare-" or "disk-" */
+    buffer_format(&generated, "%s-%ld.txt", *is_disk ? "disk" : "bare", *seed);
+    bool is_same = text_equal(file, buffer_text(&generated));
+    buffer_clear(&generated);
+    if (is_same) {
+        put_generated_recording(*seed, *is_disk, &generated);
+        is_same = !generated.failed && recording->sum == bytes_sum(buffer_text(&generated));
+    }
+    buffer_free(&generated);
+    return is_same;
 }
 
 /* Appends the text with $seed and file names filled in, which are the same in the whole lesson. */
@@ -146,13 +165,29 @@ bool lesson_done(const struct session *session, struct text command)
 {
     struct buffer script = {0};
     bool done = false;
-    history_put(session, session_lesson(session)->begun, HISTORY_RECORD, &script);
+    history_put(session, session_lesson(session)->begun, HISTORY_IN_FORCE, &script);
     struct text rest = buffer_text(&script), line;
     while (rest.len > 0 && text_split(&rest, '\n', &line))
         done |= text_starts(line, command) &&
                 (line.len == command.len || line.data[command.len] == ' ');
     buffer_free(&script);
     return done;
+}
+
+/* Returns the statement of the log, counted from 1, that moved the session back or forth last, or
+ * 0. Measurements made before it may be of parameters that were taken back. */
+static size_t last_undo(const struct session *session)
+{
+    static const char *const words[] = {"undo", "redo", "restore"};
+    for (size_t i = session->history.count; i-- > session->history.first;) {
+        const struct entry *entry = history_entry(session, i);
+        const struct text word = peek_word(history_text(session, entry), "");
+        for (size_t k = 0; k < COUNT_OF(words); k++)
+            if (!(entry->flags & ENTRY_LINE) && (entry->flags & ENTRY_DONE) &&
+                text_is(word, words[k]))
+                return i + 1;
+    }
+    return 0;
 }
 
 /* Returns the position in the log after which the measurement must have been made: the last step
@@ -174,7 +209,7 @@ static size_t measured_since(const struct session *session, const struct lesson_
                           text_is(step->wanted, "k") || text_is(step->wanted, "reynolds");
     for (size_t i = 0; by_scene && i < scene_params(&session->setup.scene)->count; i++)
         last_change = size_max(last_change, session->setup.origin[i]);
-    return last_change;
+    return by_scene ? size_max(last_change, last_undo(session)) : last_change;
 }
 
 /* Searches measurements from the latest to the first. */
@@ -183,6 +218,8 @@ bool lesson_found(const struct session *session, const struct lesson_step *step,
 {
     if (!step->measured)
         return names_value(session, step->wanted, value);
+    if (lesson_lacks_mass(session, step))
+        return false;
     for (int i = session->measurements - 1; i >= 0; i--) {
         const struct measurement *m = &session->measurement[i];
         if (!text_is(step->wanted, m->quantity) || m->statement <= measured_since(session, step, m))
@@ -212,6 +249,9 @@ bool lesson_files(struct session *session, struct reply *reply, struct error *er
         ok = file_write(name, buffer_text(&wanted), session_policy(session, false), error);
         if (ok)
             reply_line(reply, "%s written: a generated recording", name);
+        else if (there.len > 0) /* the file is not the generated recording */
+            error_hint(error, "load it if it is yours, or type: lab off; lab seed=%ld",
+                       lesson->seed + 1);
     }
     buffer_free(&wanted);
     buffer_free(&there);

@@ -185,7 +185,9 @@ static bool entry_is_read(const struct entry *entry, enum history_reading readin
 {
     if (entry->flags & (ENTRY_LINE | ENTRY_UNRECORDED))
         return false;
-    if (reading == HISTORY_RECORD)
+    if (reading == HISTORY_IN_FORCE && (entry->flags & ENTRY_UNDONE))
+        return false;
+    if (reading != HISTORY_SCRIPT)
         return !(entry->flags & ENTRY_SOURCED) && (entry->flags & (ENTRY_DONE | ENTRY_HAPPENED));
     return !(entry->flags & (ENTRY_NESTS | ENTRY_WRITES)) &&
            (entry->flags & (ENTRY_DONE | ENTRY_CHANGED));

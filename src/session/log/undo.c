@@ -321,8 +321,8 @@ void undo_clear(struct session *session)
     session->undo.undos = session->undo.redos = 0;
 }
 
-/* Exchanges the present state with the latest snapshot of undo or redo. Returns false with the
- * error set. */
+/* Exchanges the present state with the latest snapshot of undo or redo, and marks the statement in
+ * the history. Returns false with the error set. */
 bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], struct error *error)
 {
     if ((back ? session->undo.undos : session->undo.redos) == 0) {
@@ -339,6 +339,10 @@ bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], s
     *slot = now;
     session->undo.undos += back ? -1 : 1;
     session->undo.redos += back ? 1 : -1;
+    if (target->statement >= session->history.first) {
+        unsigned *flags = &history_entry(session, target->statement)->flags;
+        *flags = back ? *flags | ENTRY_UNDONE : *flags & ~(unsigned)ENTRY_UNDONE;
+    }
     restore_snapshot(session, target);
     snapshot_free(target);
     return true;

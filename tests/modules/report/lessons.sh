@@ -22,7 +22,7 @@ ok "the same seed: the same recording, taken again" $?
 does 'lab seed=8' && [ "$(period 7)" != "$(period 8)" ]
 ok "another seed: another period" $?
 echo mine >bare-9.txt
-! does 'lab seed=9' && grep -q 'bare-9.txt exists' out && [ "$(cat bare-9.txt)" = mine ]
+! does 'lab seed=9' && grep -q 'bare-9.txt exists' out && grep -q 'lab off; lab seed=10' out && [ "$(cat bare-9.txt)" = mine ]
 ok "a file of that name stays" $?
 T=$(period 7)
 does "lab seed=7; load bare-7.txt; measure period; check $T s" && grep -q '^3/' out
@@ -86,8 +86,16 @@ printf 'lab seed=7\nload bare-7.txt\nmeasure period\ncheck %s s\n' "$T" | "$hook
 ok "in a pipe what is done goes on" $?
 does "lab seed=7; load bare-7.txt; lab" && [ "$(grep -c '^2/' out)" -eq 2 ] && ! does "lab seed=7; load bare-7.txt; lab seed=6" && grep -q 'is in progress at step 2' out && [ ! -e bare-6.txt ]
 ok "a second lab does not begin anew" $?
-does "load bare-7.txt; lab seed=6; measure period; check $T s" && grep -q '^3/' out && [ ! -e bare-6.txt ]
-ok "a recording that was loaded before is taken, and none is written" $?
+cp bare-7.txt swing.txt
+does "load swing.txt; lab seed=6; measure period; check $T s" && grep -q '^3/' out && [ ! -e bare-6.txt ]
+ok "a recording of one's own that was loaded before is taken, and none is written" $?
+skips=$(printf '; skip%.0s' $(seq 12))
+does "lab seed=7; load bare-7.txt$skips; lab seed=3" && [ "$(tail -3 out | grep -c '^1/13\|type: load bare-3.txt')" -eq 2 ]
+ok "after a lesson another seed has its own recording" $?
+does "lab seed=7; load disk-7.txt$skips; lab seed=7" && tail -3 out | grep -q '^1/13' && does "lab seed=7; load bare-7.txt; lab off; lab seed=7" && grep -q 'bare-7, which is already loaded' out
+ok "the recording with the disk is not that of the first step; that of this step is" $?
+does "lab seed=7; load swing.txt$skips; lab seed=3" && grep -q 'swing, which is already loaded' out
+ok "one's own recording is kept in the next lesson" $?
 does "lab seed=7; load bare-7.txt; measure period; check (1/$T) Hz" && grep -q '^3/' out && does "lab seed=7; load bare-7.txt; measure period; check (2*pi/$T) rad/s" && grep -q '^3/' out
 ok "a period said as a frequency" $?
 does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T +- 0.005 s" && grep -q '^3/' out && does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T +- 0.001 s" && grep -q '^not correct' out
@@ -103,6 +111,18 @@ does "lab seed=7; load mine.txt; skip" && grep -q 'type: m = MASS +- 0.1 g; fit 
 ok "of one's own recording the mass is one's own" $?
 ! does "$to_k; m = 190 g; check $k N/m" && grep -q 'a parameter has changed' out
 ok "a value measured with another mass does not count" $?
+head -500 disk-7.txt >bare-5.txt
+printf 'lab seed=5\nload bare-5.txt\nskip\n' | "$hooke" -n --keep-going >out 2>&1
+grep -q 'type: m = MASS' out && ! grep -q 'm = [0-9]' out
+ok "a file of one's own with a generated name: the mass is one's own" $?
+does "$to_k; undo; check $k N/m" 2>/dev/null; grep -q 'the mass is not set: type: m = MASS' out && grep -q 'error: not yet' out
+ok "a mass that was undone is asked for again, and its k does not count" $?
+does "$to_k; undo; measure k; check $k N/m"; grep -q 'error: not yet' out
+ok "nor does that of the scene's mass" $?
+does "$to_k; undo; redo; measure k; check $k N/m" && grep -q '^4/' out
+ok "redone it counts" $?
+does "lab seed=7; load bare-7.txt; skip; measure k; check $k N/m"; grep -q 'error: not yet' out
+ok "without the mass of the generated recording k does not count either" $?
 # the lesson of the manual page
 awk '/^\.EX$/ {lesson = 1; next} /^\.EE$/ {lesson = 0} lesson && /^#: [^T]/ {found = 1} lesson && found' "$page" >page.hk
 does "lab page.hk; m = 200 g; k = 15 N/m; print omega0; check 8.66 rad/s" && grep -q "^2/2: How fast" out && grep -q 'the lesson is finished' out && [ -s page.hk ]
