@@ -161,8 +161,10 @@ static int run_option(struct session *session, const struct options *options, st
     return status;
 }
 
-/* Runs what the command line gives (an option of a module, or files and commands), without a
- * prompt. Leaves the exit status in the session. */
+/* Runs what the command line gives, without a prompt: either the option of a module
+ * (options->only), with the words behind it as its arguments, or else the files and commands, and
+ * standard input if there are none and no prompt follows. Sets session->execution.status, from
+ * which the exit status of the program is made. */
 static void tasks_run(struct session *session, const struct options *options, enum front_kind kind,
                       struct reply *reply, struct streams *streams)
 {
@@ -191,8 +193,9 @@ static void confine(const struct options *options, bool prompt, struct reply *re
     free(state);
 }
 
-/* Runs the whole life of one session: front end, options, rc file, tasks, prompt, and closing of
- * files. Returns the exit status of the program. */
+/* Runs the program after its options were read: creates the session, applies the options, runs the
+ * rc file, the tasks of the command line and, unless the program is a batch, the prompt or the
+ * panes until the user quits; then closes all files. Returns the exit status of the program. */
 static int session_front_run(const struct options *options)
 {
     const enum front_kind kind = choose_front(options);
@@ -246,6 +249,7 @@ static int session_front_run(const struct options *options)
         /* errors of lines typed at the prompt were shown there and do not change the status */
         status = session->execution.status;
         if (kind != FRONT_END && !session->execution.quit && !signals_ending()) {
+            /* `withheld` delays the first suggestion until an empty line asks for one. */
             struct front_program program = {.session = session,
                                             .options = options,
                                             .streams = &streams,

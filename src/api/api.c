@@ -65,8 +65,10 @@ static bool take_message(void *context, struct text text)
     return !hooke->messages.failed;
 }
 
-/* Keeps an error of the reply for hooke_error(), with its own copy of message, hint and file
- * name. */
+/* Stores an error of the reply for hooke_error(), with a copy of message, hint and file name, since
+ * those of the caller do not last. `where` is the file and line of the statement, or NULL; lines
+ * given to hooke_run() have line_source for a file and leave hooke->error.file NULL. `column`
+ * counts from 1. */
 static void take_error(void *context, const struct error *error, const struct source *where,
                        size_t column)
 {

@@ -78,8 +78,8 @@ static bool choose_content(const struct command *command, struct redirect *redir
     return format || redirect->plot;
 }
 
-/* Reads the name of the file and an optional --force behind it. Returns false if there is anything
- * else. */
+/* Parses `rest`, the text behind the sign >, into redirect->file (a word, or anything in quotes)
+ * and redirect->force. Nothing is opened. Returns false unless it is a name and at most --force. */
 static bool read_file(struct text rest, struct redirect *redirect)
 {
     rest = text_trim(rest);
@@ -94,8 +94,8 @@ static bool read_file(struct text rest, struct redirect *redirect)
     return redirect->file.len > 0 && (left.len == 0 || redirect->force);
 }
 
-/* Takes "> FILE" off the statement if the ending names a table format or a picture; redirect->file
- * stays empty otherwise. */
+/* Shortens the statement by "> FILE" if the ending of the file names a table format or a picture;
+ * otherwise leaves it unchanged and redirect->file empty. */
 void redirect_take(const struct command *command, struct text *statement, struct redirect *redirect)
 {
     const struct text rest = behind_sign(*statement);
@@ -111,7 +111,9 @@ void redirect_take(const struct command *command, struct text *statement, struct
     statement->len = (size_t)(rest.data - 1 - statement->data);
 }
 
-/* Replaces the error of a statement that cannot be read because its file has another ending. */
+/* Replaces an error at or behind the sign > by one that lists the possible endings. The file had
+ * another ending, so that redirect_take() has left it in the statement, which then could not be
+ * read. */
 void redirect_explain(const struct command *command, struct text statement, struct error *error)
 {
     const struct text rest = behind_sign(statement);

@@ -19,9 +19,10 @@ struct redirect {
     struct writer writer;
 };
 
-/* Takes "> FILE [--force]" off the end of a statement of a command with COMMAND_TABLES, if the
- * ending is that of a table or of a picture. With another ending the statement stays as it is,
- * since > may be a comparison. */
+/* Shortens *statement by "> FILE [--force]" at its end, and fills *redirect with the file and what
+ * it receives. It does so only for a command with COMMAND_TABLES and a file whose ending is that of
+ * a table or of a picture; otherwise > may be a comparison, *statement is unchanged and
+ * redirect->file is empty. */
 void redirect_take(const struct command *command, struct text *statement,
                    struct redirect *redirect);
 /* Opens the file before anything is computed. Returns false with the error set, also if it exists

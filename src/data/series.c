@@ -90,8 +90,9 @@ static bool samples_resample(struct samples *samples, const struct series *serie
     return true;
 }
 
-/* Prepares samples of a series for fits: uneven ones on an even grid, rounded stamps replaced by
- * even ones. Returns false if out of memory or cancelled. */
+/* Prepares samples of a series for fits. Very uneven ones are replaced by samples on an even grid,
+ * and rounded stamps of even times by the even times; samples->pace then also has the uncertainty
+ * of their spacing. Returns false if out of memory or if cancelled. */
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena)
 {
     *samples =

@@ -42,8 +42,7 @@ static bool is_kinetic(const struct drawing *d)
     return drawn && !(drawn->needs & NEED_ENERGY);
 }
 
-/* Finds the model of all runs. Returns false with an error if they differ or the plot does not fit.
- */
+/* Finds the model of all runs. Returns false with an error if they differ or fit no such plot. */
 static bool find_model(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -98,7 +97,8 @@ static bool draws_magnitude(const struct drawing *d)
     return kind_of(d)->log_label && d->request->log;
 }
 
-/* Computes the values of one coordinate (or of an observable) at the chosen rows. */
+/* Computes y [rows->n], one curve at the chosen rows: column number `coordinate`, the observable of
+ * the plot, or that coordinate, divided by d->omega0 (not 1 in scaled phase plots: v/omega0). */
 static bool vertical_values(struct drawing *d, const struct run *run, int coordinate,
                             const struct chosen_rows *rows, double *y)
 {

@@ -41,8 +41,8 @@ static const struct curve *curve_with_gaps(struct arena *arena, const struct cur
     return curve;
 }
 
-/* Turns a figure's only curve, if it has more than DENSE_SAMPLES points per column, into a line.
- * Returns false if out of memory. */
+/* Replaces a figure's only curve by the line of curve_with_gaps() if it is one of points and has at
+ * least DENSE_SAMPLES of them per column. Returns false if out of memory. */
 bool curves_join_dense(struct arena *arena, int columns, struct figure *figure)
 {
     if (figure->curves != 1 || !figure->curve[0].points ||

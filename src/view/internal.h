@@ -92,8 +92,9 @@ void cursors_table(const struct screen *screen, struct rectangle area);
 
 /* ---- one file each ---- */
 
-/* Turns a figure's only curve, if it is one of points that are too dense for marks, into a line
- * with gaps. Returns false if out of memory. */
+/* Replaces a figure's only curve, if it is drawn as points of which two or more fall on each of the
+ * `columns` of the plot, by a line with a gap wherever nothing was recorded. Leaves other figures
+ * unchanged. Memory is the arena's. Returns false if out of memory. */
 bool curves_join_dense(struct arena *arena, int columns, struct figure *figure);
 
 /* Replaces names of runs in the legend by their numbers if the names do not fit into a frame of

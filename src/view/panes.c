@@ -235,7 +235,8 @@ static void draw_marks(const struct screen *screen, const struct figure_layout *
                        mark, STYLE_BOLD);
 }
 
-/* Turns the upper corners of a pane that continues the frame above into branches. */
+/* Draws the upper corners of a pane as branches of the frame above, which it continues (in ASCII
+ * corners and branches are the same sign). */
 static void draw_branches(const struct screen *screen, struct rectangle area)
 {
     if (screen->charset->plain)
@@ -266,8 +267,9 @@ static void words_pane(struct screen *screen, const struct placed_pane *placed,
         figure_draw(figure, screen->canvas, area.x, area.y, width, area.height, screen->charset);
 }
 
-/* Draws the figure of a pane on a canvas of its own, with cursors and marks, and copies its visible
- * rows to the screen. Returns false if out of memory. */
+/* Draws the figure of a pane on a canvas of its own and copies the rows that are visible to the
+ * screen. Time plots get the cursors, whose letters only the first of joined panes shows, and below
+ * the last panel the marks of changed parameters. Returns false if out of memory. */
 static bool draw_pane(struct screen *screen, const struct placed_pane *placed,
                       const struct figure *figure)
 {

@@ -223,13 +223,15 @@ static inline double error_over_tol(const struct table_row *table, size_t rows, 
 
 enum { TOLERANCES = 3, STEPS_MIN = 20000, RATIOS = 80 };
 
-/* error/tol of each adaptive method at the end of each problem */
+/* error/tol at the end of each problem that a method could solve: count[m][k] ratios for method m
+ * of the catalog at tolerance k, of tried[m][k] problems. */
 struct proportions {
     double ratio[128][TOLERANCES][RATIOS];
     int count[128][TOLERANCES], tried[128][TOLERANCES];
 };
 
-/* The first is taken in any case. Steps of second order are too many for tighter ones. */
+/* Returns tolerance k of TOLERANCES; only the long form uses more than the first. Methods of
+ * low order would need too many steps for tighter ones. */
 static inline double tolerance_of(const struct method *method, int k)
 {
     static const double second[TOLERANCES] = {1e-4, 1e-3, 1e-5},
@@ -238,7 +240,7 @@ static inline double tolerance_of(const struct method *method, int k)
     return (method->order > 3 ? others : method->order > 2 ? third : second)[k];
 }
 
-/* Of all methods that can do it. */
+/* Solves the problem by all adaptive methods that apply to it and adds their ratios. */
 static inline void add_proportions(struct proportions *p, const struct table_row *table,
                                    size_t rows, const char *problem, const char *parameters,
                                    const struct scene *scene)

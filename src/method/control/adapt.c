@@ -241,8 +241,10 @@ ADAPT_PLAIN(adapt_two, 2)
 ADAPT_PLAIN(adapt_three, 3)
 ADAPT_PLAIN(adapt_four, 4)
 
-/* Takes a step of any system: under the library's control, on frozen branches, or by adapt();
- * chooses the first step if there is none. */
+/* Takes one accepted step of any system towards t_end, by one of three controls: a library's own
+ * (method->adapt) if the system has no switches, that on frozen branches if it has, or else
+ * adapt(). controller->h = 0 asks for a choice of the first step, which a library makes itself.
+ * Returns the status of the step. */
 static enum step_status adapt_any(const struct method *method, struct step *step,
                                   struct controller *controller, double t_end)
 {

@@ -35,8 +35,10 @@ static march_function *const kernels[][TYPED_COUNT] = {
 #include "method/rows/rk.def"
 };
 
-/* Returns the kernel of a typed scene of up to four variables, else one for any number of
- * variables. */
+/* Returns the march compiled for typed scenes of this shape, that is order and number of variables
+ * (TYPED_MOTIONS, TYPED_FLOWS). Systems of other shapes, and splittings whose drag is not explicit,
+ * get the one for any number of variables. Returns NULL if the method has none of these; its step
+ * function is then called for each step. */
 march_function *typed_kernel(const struct method *method, const struct system *system,
                              enum drag drag)
 {

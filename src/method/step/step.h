@@ -217,7 +217,8 @@ typedef void slope_function(const void *forces, double t, const double *y, doubl
  * method).
  */
 enum step_status rk_step(const struct method *method, struct step *step);
-/* Returns the kernel for typed scenes (kernel/typed.c), or NULL. */
+/* Returns the kernel of a method for a typed scene (kernel/typed.c), or NULL if its family has no
+ * kernels. */
 march_function *typed_kernel(const struct method *method, const struct system *system,
                              enum drag drag);
 /* Returns the kernel of an implicit method (kernel/implicit.c), or NULL if the system has none. */

@@ -234,7 +234,7 @@ static bool collection_start(struct collection *c, const struct arguments *args,
     feed->close(c->state.feed, &c->look);
     c->state.feed = NULL;
     if (interrupted)
-        feed->heeded();
+        feed->heeded(); /* the Ctrl-C has done its work and must not stop the fit below */
     if (fits_of(session)->live)
         collect_fit_last(c);
     part->now = NULL;

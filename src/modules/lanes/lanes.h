@@ -31,7 +31,8 @@ bool lanes_begin(struct lanes *lanes, const struct method *method, enum drag dra
 /* Starts this lane at the system's initial state, before the first step; the system must outlive
  * the lanes. Every lane has to be set, with a copy of another if necessary. */
 void lanes_set(struct lanes *lanes, int lane, const struct system *system);
-/* Starts this lane with a step h of its own; systems may have other t0, unless steps adapt. */
+/* Does the same as lanes_set() with steps of h [s] in this lane. Its system may have another t0
+ * than the other lanes, unless steps are adaptive. */
 void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h);
 /* Makes `count` steps in all lanes, without any checks. row [count][2][LANE_COUNT] receives the
  * first variable and its derivative after each step, or is NULL. */

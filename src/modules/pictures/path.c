@@ -92,7 +92,10 @@ static bool narrow_cone(struct path_thinning *thinning, double x, double y)
     return true;
 }
 
-/* Draws on to a point; the point before becomes a corner if the new one leaves the cone. */
+/* Draws the line on to the point (x, y) [pt]. As long as the points lie in the cone, one straight
+ * line from the last corner passes all of them within the tolerance, and none is put. If the new
+ * point lies outside of the cone, the point before it becomes a corner, from which a new cone
+ * begins. */
 static void thinning_draw_to(struct path_thinning *thinning, double x, double y)
 {
     if (!narrow_cone(thinning, x, y)) {

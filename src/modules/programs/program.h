@@ -58,8 +58,8 @@ void program_title(struct scene_program *p, const char *prefix);
 /* Returns true if programs in that language cannot have a variable of that name, as the language or
  * the program itself uses it. */
 bool program_takes(enum dialect dialect, const char *name);
-/* Appends a program in C, Python or for Octave, made from its template. Returns false with an
- * error, or if cancelled. */
+/* Appends to p->output the text of a program in C, Python or for Octave that computes the run,
+ * made from the template of p->dialect. Returns false if out of memory or if cancelled. */
 bool program_computes(struct scene_program *p);
 /* Returns true if the formulas have that word, followed by next_char unless it is '\0'. */
 bool program_uses(const struct scene_program *p, const char *name, char next_char);

@@ -84,7 +84,8 @@ bool lesson_generated(const struct recording *recording, long *seed, bool *is_di
     const struct text file = text_last_component(text_of(recording->path));
     struct buffer generated = {0};
     *is_disk = text_starts(file, TEXT("disk-"));
-    *seed = file.len > 5 ? strtol(file.data + 5, NULL, 10) : 0; /* behind "bare-" or "disk-" */
+    *seed = file.len > 5 ? strtol(file.data + 5, NULL, 10)
+                         : 0; /* the digits after "bare-" or "disk-" */
     buffer_format(&generated, "%s-%ld.txt", *is_disk ? "disk" : "bare", *seed);
     bool is_same = text_equal(file, buffer_text(&generated));
     buffer_clear(&generated);

@@ -59,9 +59,10 @@ struct store_sink {
 
 /* Frees *stored and zeroes it, so that the next session_store() writes everything. */
 void stored_free(struct stored *stored);
-/* Writes what has changed since the last call; *stored remembers what the file has. If it is
- * stopped, stored->unfinished is set, and what was written does not count until a later call
- * completes it. Returns false with an error if it cannot be written or if out of memory. */
+/* Writes what has changed since the last call; *stored remembers what the file has. If writing is
+ * stopped (by sink->cancel or the deadline), stored->unfinished is set and the function returns
+ * true: the next call continues, and until it completes, a reader of the file ignores the new
+ * records. Returns false with an error if the sink refuses a record or if out of memory. */
 bool session_store(struct session *session, struct stored *stored, const struct store_sink *sink,
                    struct error *error);
 

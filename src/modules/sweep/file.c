@@ -116,8 +116,9 @@ static bool take_seal(struct sweep_scan *scan, struct text line, uint64_t sum)
     return !file->seal.failed || error_memory(scan->error);
 }
 
-/* Adds a line to the present head, which ends with the names of the columns. Returns false with an
- * error if it differs from the head read before. */
+/* Adds a line to scan->head, which is complete with the line that names the columns: the first head
+ * then becomes that of the file, later ones must be equal to it. Returns false with an error if one
+ * differs. */
 static bool take_head(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;
@@ -151,8 +152,9 @@ static bool add_block(struct sweep_file *file, struct sweep_block block, struct 
     return true;
 }
 
-/* Adds a row to the last block, or to a new one if it does not follow. Returns false with an error
- * if it is no row. */
+/* Reads a row, which begins with the number of its point. A point may have several rows. Extends
+ * the last block if the point is the same or the next one, else begins another block. Returns false
+ * with an error if the line is no row. */
 static bool take_row(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;
@@ -178,7 +180,11 @@ static bool take_row(struct sweep_scan *scan, struct text line)
     return true;
 }
 
-/* Takes a line of any kind. Returns false with an error if it does not belong to the sweep. */
+/* Reads one line into scan->file by its kind: the line of an unfinished file, which tells its
+ * shard; the seal behind the rows of a sweep, with a checksum of its head, the number of points in
+ * all and the largest number of rows of one; a line of the head, the last of which names the
+ * columns ("point,..."); or else a row of values. Returns false with an error if the line belongs
+ * to another sweep or is none of these. */
 static bool take_line(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;

@@ -16,6 +16,8 @@ const struct table *drawing_stored(const struct session *session, const char *ki
     return stored ? &stored->table : NULL;
 }
 
+/* Returns the value of a column in a row; NAN if the table has no such column (NULL) or it has no
+ * values. */
 static double row_value(const struct table_column *column, size_t row)
 {
     return column && column->value ? column->value[row] : NAN;

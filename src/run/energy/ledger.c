@@ -466,7 +466,8 @@ void run_ledger_brief(const struct run *run, struct ledger *ledger)
 
 /* An energy above this many times that at both ends counts as a peak. */
 #define ENERGY_PEAK_FACTOR 100
-#define PEAK_STRIDE 16 /* Stride in rows: a peak that fixed steps resolve lasts longer. */
+/* Rows from one that is examined to the next; a peak that fixed steps resolve is wider. */
+#define PEAK_STRIDE 16
 
 /* Returns the largest energy [J] of every stride-th row. */
 static double largest_energy(const struct run *run, size_t stride)
@@ -483,8 +484,8 @@ double run_energy_peak(const struct run *run, const struct ledger *ledger)
     const double ends = fmax(fabs(ledger->initial), fabs(ledger->final));
     if (run->system.conservative || !(fabs(ledger->initial) > 0))
         return NAN;
-    /* A run of fixed steps may have many rows, and nearly always no such peak: a look at some
-     * tells. */
+    /* Passing over all rows of a run of fixed steps takes long, and most have no peak. One that the
+     * steps resolve raises some PEAK_STRIDE-th row to a tenth of its height. */
     if (!run->plan.adaptive && !(largest_energy(run, PEAK_STRIDE) > ENERGY_PEAK_FACTOR / 10 * ends))
         return NAN;
     const double max = largest_energy(run, 1);

@@ -175,8 +175,9 @@ static const char *remedy_for_rate(const struct run *run)
                                                                   : "an implicit method";
 }
 
-/* Appends the advice to try steps of dt [s] or less, unless they would be hopelessly short, and an
- * implicit method if that helps. */
+/* Appends the advice to try steps of dt [s] or less, an implicit method if that helps, or one of
+ * both. Steps shorter than STEP_HOPELESS times the present ones are advised only if an implicit
+ * method does not help. */
 static void put_shorter_step(const struct run *run, double dt, bool implicit_helps,
                              struct buffer *text)
 {

@@ -28,7 +28,8 @@
 /* A derivative at an end above this many times the change shows that the segment is not smooth. */
 #define SMOOTH_SLOPE_MAX 4
 
-/* A path between two states, s from 0 to 1, and bounds of all names on a part of it. */
+/* The path of the motion in a step, between its two states: a polynomial in s from 0 to 1. Also has
+ * bounds of all names on an interval of s, for the expression that is being examined. */
 struct way {
     const struct system *system;
     const struct typed *typed;
@@ -107,7 +108,8 @@ static struct jet bounds_of(const struct way *way, const struct expr *expr, doub
                                    (b - a) / 2 * (1 + BOUND_ROUNDING_RELATIVE));
 }
 
-/* Returns bounds of the derivative `row`, and of its derivatives by s, for s from a to b. */
+/* Returns bounds of the right-hand side of equation `row`, and of its derivatives by s, for s from
+ * a to b. */
 static struct jet row_bounds(struct way *way, int row, double a, double b)
 {
     const struct typed *typed = way->typed;
@@ -128,7 +130,8 @@ static struct jet row_bounds(struct way *way, int row, double a, double b)
     return sum;
 }
 
-/* Returns the value of the row at a point of the way, NAN where it is not finite. */
+/* Returns the right-hand side of equation `row` (an acceleration or, in scenes of first order, a
+ * rate) at that fraction, 0 to 1, of the path; NAN where it is not finite. */
 static double row_value(const struct way *way, int row, double fraction)
 {
     const struct system *system = way->system;

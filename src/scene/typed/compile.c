@@ -291,8 +291,10 @@ static bool group_rows(struct compile *c, const unsigned *depends)
 
 /* ---- the model ---- */
 
-/* Makes the tables of parameters and terms: those of the base, then the typed ones. Returns false
- * if out of memory. */
+/* Makes the catalogs of the model's parameters and terms. The first c->bases parameters are those
+ * of the built-in scene that was extended (typed->base, or NULL), the c->owns others were typed.
+ * The terms of the built-in scene are followed by one for each group (enum typed_group) that has
+ * summands. Returns false if out of memory. */
 static bool make_tables(struct compile *c)
 {
     static const char *const name[GROUPS] = {"typed force", "typed force", "typed drag"};

@@ -62,8 +62,10 @@ static bool add_rows(struct switch_making *m)
     return fine;
 }
 
-/* Makes the programs of arguments, frozen equations and their Jacobian, if there are switches.
- * Returns false with an error. */
+/* Makes the programs of the switches' arguments, of the equations with the branches as values
+ * (frozen), and of the Jacobian of these; none if the equations have no switches. The equations are
+ * outputs 0 to rows - 1 of m->equations; equations_freeze() appends the arguments and the frozen
+ * equations. Returns false with an error. */
 static bool make_programs(struct switch_making *m, struct typed_part *part)
 {
     const struct typed *typed = m->typed;

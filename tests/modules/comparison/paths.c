@@ -104,7 +104,8 @@ TEST(test_families)
     }
 }
 
-/* Forces that are no shape: still one kind of code for all methods of these families. */
+/* A combination of terms for which no kernel of its own was compiled (no shape): Runge-Kutta
+ * methods and splittings still all use specialised code, and others the general one. */
 TEST(test_forces_without_a_shape)
 {
     const struct scene scene = scene_with("drag", SETTINGS({"g", 9.81}, {"F0", 0.1}, {"k3", 20}));

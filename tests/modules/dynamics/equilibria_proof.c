@@ -48,8 +48,9 @@ static struct equilibria find(char line[][LINE_MAX], const struct known_zeros *k
     return found;
 }
 
-/* Each listed zero that is not degenerate is one of the known ones, each of these at most once;
- * every simple one is listed, and if a proof is claimed nothing else exists. */
+/* Fails unless each zero found is a known one, none is found twice (except degenerate ones, which
+ * are `twofold`), every simple one is found, and a list that claims to be complete has all and no
+ * degenerate one. With proof_expected, it has to claim that. */
 static void judge(char line[][LINE_MAX], const struct known_zeros *known,
                   const struct equilibria *found, bool proof_expected)
 {
@@ -177,7 +178,8 @@ TEST(test_poles)
     }
 }
 
-/* Rosenzweig and MacArthur: (0, 0), (K, 0) and the two together at x = m/(1 - m). */
+/* Prey x and predators y of Rosenzweig and MacArthur: the equilibria are (0, 0), prey alone at
+ * (K, 0), and both species at x = m/(1 - m), y = (1 - x/K)(1 + x). */
 TEST(test_predators)
 {
     uint64_t seed = 7;

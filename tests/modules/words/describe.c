@@ -76,6 +76,8 @@ TEST(test_sizes)
     buffer_free(&out);
 }
 
+/* Descriptions do not claim a direction, a growth, a middle or a period that a small part of the
+ * values only suggests. */
 TEST(test_directions)
 {
     struct buffer out = {0};

@@ -22,7 +22,8 @@ static double let_value(struct bench *b, const char *name)
     return value.value;
 }
 
-/* A statement is taken with the wanted value, or refused with a word. */
+/* Types NAME = `form`, a printf() format of the numbers behind it. If it `fits`, the name must get
+ * the wanted value [SI], else it must be refused with a message. */
 static void expect_frequency(struct bench *b, const char *name, double wanted, bool fits,
                              const char *form, ...)
 {
@@ -43,6 +44,9 @@ static void expect_frequency(struct bench *b, const char *name, double wanted, b
     buffer_free(&line);
 }
 
+/* Types random frequencies: omega and omega0 take f Hz only as 2 pi f or as such (1 Hz = 2 pi
+ * rad/s), also in sums and from a variable; f0, T0 and phase take rad/s where that is unambiguous.
+ * Forms that would be wrong by a factor of 2 pi are refused. */
 TEST(test_cycles_and_radians)
 {
     const double turn = 2 * 3.14159265358979323846;

@@ -143,7 +143,8 @@ TEST(test_references_are_reached)
     assert_int_equal(wrong, 0);
 }
 
-/* Oscillators that magnify errors more than most problems of the table: those with closed forms. */
+/* Adds the errors on oscillators with closed forms, which magnify errors more than most problems of
+ * the table. */
 static void add_oscillators(struct proportions *p)
 {
     struct error error;
@@ -171,7 +172,8 @@ static void add_oscillators(struct proportions *p)
     typed_destroy(models);
 }
 
-/* The tolerance means the same for every method, on typed scenes, too. */
+/* The end errors of each adaptive method on all problems, in units of tol, have a median near 1
+ * (assert_proportional()), on typed scenes, too. Skipped if the table of references is missing. */
 TEST(test_errors_are_about_the_tolerance)
 {
     static struct proportions proportions;

@@ -79,7 +79,9 @@ static void check_ledgers(const struct run *a, const struct run *b, const char *
                  left.work, right.work);
 }
 
-/* True if it applies. */
+/* Runs the case by a method. Fails unless the run ends with a reason, its last row is the present
+ * state, and rows, state and energy balance have the bits of a second run (twin) that takes exactly
+ * the steps which succeeded. Returns false if the method does not apply. */
 static bool check(const struct case_of *c, const char *method, const struct run_settings *settings,
                   const char *what)
 {
@@ -153,6 +155,9 @@ static int check_methods(const struct case_of *c, double dt)
     return checked;
 }
 
+/* From 1.5 s on sqrt(1.5 - t) is not a number, so that no solution exists beyond. By every method
+ * and every way of recording, a run must end there, and be the same as a run of as many steps that
+ * does not try to go on (check()). At least 100 combinations must have applied. */
 TEST(test_a_force_that_ends)
 {
     const struct case_of cases[] = {

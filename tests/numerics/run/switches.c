@@ -366,7 +366,8 @@ TEST(test_first_steps)
     assert_true(wrong == 0 && count > 0);
 }
 
-/* Rows are the same whatever the calls. */
+/* A run that is advanced step by step, in 100 calls, has the same rows as one advanced in a single
+ * call. */
 TEST(test_calls)
 {
     struct typed_models *models = *state;

@@ -94,9 +94,9 @@ struct references {
 bool references_get(struct references *references, const struct scene *scene,
                     const struct system *system, double span, const struct cancel *cancel,
                     struct reference *reference, struct error *error);
-/* Computes a doubtful reference again in steps of at most `step` [s] and replaces *reference and
- * its stored copy. Returns false if that fails (ERROR_NUMERICAL) or if cancelled; the old one is
- * then unchanged. */
+/* Computes a reference again that runs with smaller errors disagreed with, and replaces *reference
+ * and its stored copy. Steps are at most `step` [s], and at most half as long as before. Returns
+ * false if that fails (ERROR_NUMERICAL) or if cancelled; *reference is then unchanged. */
 bool references_again(struct references *references, const struct scene *scene,
                       const struct system *system, double span, double step,
                       const struct cancel *cancel, struct reference *reference,

@@ -140,7 +140,9 @@ bool references_get(struct references *references, const struct scene *scene,
     return ok;
 }
 
-/* Computes a doubtful reference again in shorter steps and replaces *reference. */
+/* Computes a reference again that finer runs disagreed with, and replaces *reference and its stored
+ * copy. Steps are at most half as long as before (reference->bound), even if `step` is longer, as
+ * the result would otherwise be the same. If the copy fails, `used` is 0: nothing is stored. */
 bool references_again(struct references *references, const struct scene *scene,
                       const struct system *system, double span, double step,
                       const struct cancel *cancel, struct reference *reference, struct error *error)

@@ -238,7 +238,10 @@ static void keep_late(struct basins_job *job, int64_t point, const struct walker
     pthread_mutex_unlock(&job->lock);
 }
 
-/* Follows starts until none is left; each thread runs it. `context` is the struct basins_job. */
+/* Follows starts of the grid, LANE_COUNT at a time, until none is left, and stores the fate of
+ * each; each thread runs this. A motion is checked in intervals; BASIN_MISSING means that its fate
+ * is not known yet and it is followed further. `context` is the struct basins_job. Sets job->failed
+ * if out of memory. Returns NULL, as pthreads want a result. */
 static void *walk_all(void *context)
 {
     struct basins_job *job = context;

@@ -167,8 +167,11 @@ static bool end_search(struct orbit_search *s, const char *why, struct error *er
                       system_variable(&s->field.system, 0).name);
 }
 
-/* Finds an orbit of an autonomous scene. The span is adapted until it has some returns; then these
- * are tried, and if none closes to a stable orbit, the motion goes on to settle. */
+/* Finds an orbit of an autonomous scene. The span is doubled or divided by 4 until the motion
+ * returns to its start a few times in it; then orbits are closed from these returns. If none closes
+ * to a stable orbit the motion is followed for another span, at most SETTLING_SPANS_MAX times
+ * (`waits`), so that it settles; in the second half of these, returns from farther away are tried,
+ * too. Returns true if s->found is an orbit, else false with an error. */
 static bool find_autonomous(struct orbit_search *s, struct error *error)
 {
     static const char none[] = "the motion does not return to an earlier state";
@@ -194,7 +197,7 @@ static bool find_autonomous(struct orbit_search *s, struct error *error)
         if (try_returns(s, &found,
                         waits < SETTLING_SPANS_MAX / 2 ? RETURN_NEAR_FRACTION
                                                        : RETURN_FAR_FRACTION))
-            return end_search(s, none, error) || s->any;
+            return end_search(s, none, error) || s->any; /* an orbit counts even if cancelled */
         if (waits++ == SETTLING_SPANS_MAX || !s->request->settles || is_search_spent(s))
             break;
         memcpy(s->state, end, (size_t)n * sizeof *end);

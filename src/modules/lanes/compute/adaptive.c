@@ -112,7 +112,10 @@ void lanes_control(struct lanes *lanes, int used, const double *tol, double t_en
 
 /* ---- the control, in vectors ---- */
 
-/* Returns log2 of positive numbers, with the operations of factor_log2(). */
+/* Returns log2 of positive normal numbers by the same operations, and thus with the same bits, as
+ * factor_log2(), which gives the series. x = 2^whole m, where the bits of sqrt(1/2),
+ * 0x3fe6a09e667f3bcd, make 0.7 < m < 1.42. `whole` is converted to a double by adding it to the
+ * bits of 1.5 * 2^52, whose last bit counts ones. */
 INLINE four four_log2(four x)
 {
     const double shift = 0x1.8p52;
@@ -125,7 +128,9 @@ INLINE four four_log2(four x)
     return ((four)(whole + (four_masks)magic) - shift) + s * (2.885390081777927 + u * series);
 }
 
-/* Returns 2^x, with the operations of factor_exp2(). */
+/* Returns 2^x by the same operations as factor_exp2(). Adding 1.5 * 2^52 rounds x to an integer,
+ * which is shifted into the exponent (1 has the bits 0x3ff0000000000000); the polynomial in the
+ * remainder f is Taylor's series of 2^f. */
 INLINE four four_exp2(four x)
 {
     const four raised = four_either(x < -1000, x, -1000 - (four){0}),

@@ -181,7 +181,9 @@ void lanes_set(struct lanes *lanes, int lane, const struct system *system)
     lanes_set_step(lanes, lane, system, lanes->h);
 }
 
-/* Starts a lane at the system's initial state, with a step of its own. */
+/* Starts a lane at the system's initial state with steps of h [s]. lanes->own becomes true if its
+ * h or initial time differs from those of lanes_begin(), because times are then computed lane by
+ * lane. Exact drag has coefficients that depend on h. */
 void lanes_set_step(struct lanes *lanes, int lane, const struct system *system, double h)
 {
     lane_put(lanes->n, system->start, lane, lanes->state);

@@ -74,7 +74,9 @@ static bool has_sixels(struct text attributes)
     return false;
 }
 
-/* Updates *best by an answer. Returns true if it is the last one expected. */
+/* Sets *best to the protocol that an answer reports if that is better (its number is smaller).
+ * Returns true if no further answer is expected: the attributes (ESC [ ? ... c) were asked for
+ * last, and terminals answer in the order of the questions. */
 static bool evaluate_answer(struct text answer, enum protocol *best)
 {
     enum protocol says = PROTOCOL_NONE;

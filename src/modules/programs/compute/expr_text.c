@@ -87,10 +87,12 @@ void dialect_number(struct buffer *output, enum dialect dialect, double number)
 /* Operations by how tightly they bind, loosest first. */
 enum { COMPARISON, SUM, PRODUCT, FACTOR, ATOM };
 
-/* Ways in which an operand can be 0, which decide about leaving it out as formulas of hooke do. */
+/* Ways in which an operand can be 0: the number 0, a name whose value is 0, or a product with such
+ * a factor, which is left out. They are used to leave out of sums and products what hooke leaves
+ * out when it evaluates the formula. */
 enum zero_kind { NOT_ZERO, NUMBER_ZERO, NAME_ZERO, TERM_ZERO };
 
-/* An operand as text, without the sign that was moved out. */
+/* An operand as text. A minus sign in front of it is `negative` and not part of the text. */
 struct piece {
     struct text text;
     int binds; /* strength with which its last operation binds */
@@ -310,7 +312,9 @@ static struct piece call_of(struct printer *p, const struct function *function,
     return (struct piece){.text = printed_text_keep(p, &text), .binds = ATOM};
 }
 
-/* Returns the result of an operation on its operands. */
+/* Returns the text of an operation on its operands, as an operand of the next one. A minus sign
+ * does not change a product that was left out (TERM_ZERO), because its 0 has no sign in formulas of
+ * hooke. */
 static struct piece apply_operation(struct printer *p, const struct op *op,
                                     const struct piece *operand)
 {

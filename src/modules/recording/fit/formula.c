@@ -165,15 +165,18 @@ bool formula_start(struct formula *f, struct text name, double start, struct err
 /* Number of all slots. */
 enum { NAMES = FIRST_CONSTANT + CONSTANTS_MAX };
 
-/* A formula translated for evaluation, with its input by slot, output (value, then derivatives) and
- * frames of work space. */
+/* A formula translated for evaluation: input [NAMES] has the values of its names, output the value
+ * and then the derivatives; frame[0] is the work space of `value`, frame[1] that of `all`. */
 struct formula_program {
     struct program *value, *all; /* computes the value; the value and all derivatives */
     double *input, *output, *frame[2];
 };
 
-/* Translates the formula and its derivatives by all parameters into programs, with memory of the
- * arena. Returns false with the error if out of memory or a derivative does not exist. */
+/* Makes the two programs of the formula: `value` computes its value only, which searches call most,
+ * and `all` the value followed by the derivatives by all parameters. In derivatives a product with
+ * 0 is 0 (equations_keep_limits()), so that the infinite slope of sqrt at 0 does not spoil them.
+ * Memory is the arena's. Returns false with the error if out of memory or if a derivative does not
+ * exist. */
 static bool make_programs(struct formula *f, struct equations *e, struct arena *arena,
                           struct error *error)
 {

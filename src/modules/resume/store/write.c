@@ -31,7 +31,8 @@ struct output {
 
 /* ---- records ---- */
 
-/* Returns true if writing is to stop here and continue another time. */
+/* Returns true, and sets stored->unfinished, if the caller has cancelled the writing; a later call
+ * of session_store() continues it. */
 static bool must_stop(struct output *output)
 {
     output->stored->unfinished = cancelled(output->sink->cancel);
@@ -55,7 +56,9 @@ static struct text content_of(const struct output *output)
     return text_after(all, sizeof(struct record_head));
 }
 
-/* Writes the record in pieces, and checks for cancellation between them. */
+/* Writes the part of the record that the file does not have yet (from byte stored->sent on), in
+ * pieces of at most WRITTEN_AT_ONCE. Returns false with an error, or if cancelled between two
+ * pieces; the next call of session_store() then continues with the remaining ones. */
 static bool record_send(struct output *output)
 {
     struct stored *stored = output->stored;
@@ -469,7 +472,8 @@ static bool put_all(struct output *output, struct session *session)
     return true;
 }
 
-/* Writes what has changed since the last call; *stored remembers what the file has. */
+/* Writes the rest of a record at which the last call was stopped, then what has changed since.
+ * Returns true also if it is stopped again; stored->unfinished is set then. */
 bool session_store(struct session *session, struct stored *stored, const struct store_sink *sink,
                    struct error *error)
 {

@@ -175,8 +175,10 @@ static void variation_add(const double *c, double t, const double *y, double *a)
         a[i] += rate[i];
 }
 
-/* Computes the Jacobian for implicit methods of stiff scenes: blocks df/dy on the diagonal, and
- * in the rows below y the derivatives of S' by y, as differences. */
+/* Adds the Jacobian of the whole system to jac [all][all], as terms do, for implicit methods on
+ * stiff scenes. The system is y' = f and, for each direction, S' = (df/dy) S + df/dp: the blocks on
+ * the diagonal are df/dy, and those of the rows of S in the columns of y are derivatives of S' by
+ * y, as central differences. The row of the trace has no entries. */
 static void variation_jacobian(const double *c, double t, const double *y, double *jac)
 {
     const struct variation *v = variation_of(c);

@@ -13,7 +13,9 @@ void replay_begin(struct sweep_worker *worker)
         worker->run[lane] = sweep_run(worker, worker->point[lane]);
 }
 
-/* Gives the stored steps from `first` on to the run of a lane and advances it by them. */
+/* Gives the states after steps first + 1 to first + count, which the lane's part of worker->replay
+ * begins with, to the run of that lane, and advances the run by as many steps as the lane has
+ * made. */
 static void replay_feed(struct sweep_worker *worker, int lane, int64_t first, int64_t count)
 {
     const struct sweep_request *request = worker->job->request;
@@ -28,7 +30,11 @@ static void replay_feed(struct sweep_worker *worker, int lane, int64_t first, in
     }
 }
 
-/* Copies states lane by lane, AT_ONCE rows together, which fill a cache line. */
+/* Copies `count` rows of worker->row, the states after the steps from `first` on, to the part of
+ * worker->replay that each lane has; a lane whose `whole` steps are done gets no more. The part has
+ * `room` steps and is filled from its beginning again when it is full; runs that are longer
+ * (in_pieces) are therefore given its content whenever it is full or their lane has ended. A lane's
+ * rows are copied AT_ONCE together, which fill a cache line. */
 void replay_keep(struct sweep_worker *worker, int64_t first, int64_t count)
 {
     enum { AT_ONCE = 4 };
@@ -47,7 +53,8 @@ void replay_keep(struct sweep_worker *worker, int64_t first, int64_t count)
             replay_feed(worker, lane, first - place, end - (first - place));
 }
 
-/* Measures the run of a lane that has come to its end. */
+/* Measures the point of a lane that has made all its steps, by a run that is given the lane's
+ * states. `evals` is the number of evaluations that the lane has needed. */
 void replay_lane(struct sweep_worker *worker, int lane, int64_t evals)
 {
     const struct sweep_job *job = worker->job;

@@ -184,10 +184,9 @@ bool sweep_needs_trace(const struct sweep_job *job);
 /* Returns true if points like this system can run in lanes. */
 bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, enum drag drag);
 /* Adds point i to the lanes, and computes them if all are used. */
-/* Adds point i to the lanes, and computes them if all are used */
 void sweep_gather(struct sweep_worker *worker, int64_t i);
 /* Computes the points in the lanes. */
-void sweep_flush(struct sweep_worker *worker); /* computes the points in the lanes */
+void sweep_flush(struct sweep_worker *worker);
 /* The following measure runs that are given the states of lanes (replay.c). replay_begin() is
  * called when lanes begin, replay_keep() after each batch of `count` steps from step `first` on,
  * replay_lane() for each lane that has come to its end, then replay_end(). */

@@ -161,6 +161,8 @@ TEST(outliers_have_no_weight)
     arena_reset(&arena);
 }
 
+/* The true c is 1. With c <= 0.5 the fit ends at the bound, reports that (result.bound) and gives
+ * no uncertainty for c; with 0 <= c <= 2 it finds 1 as without bounds. */
 TEST(bounds_hold)
 {
     struct arena arena = {0};
