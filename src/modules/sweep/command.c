@@ -28,7 +28,7 @@ static bool check_above_0(const struct sweep_axis *axis, struct text name, struc
 }
 
 /* Reads FROM:TO[:STEP|:xFACTOR] of the quantity `name` into an axis. Returns false with an error if
- * it cannot be swept or the range is invalid. */
+ * the quantity cannot be swept (tol, if the method has fixed steps) or if the range is invalid. */
 static bool read_axis(struct parser *parser, struct text name, struct sweep_axis *axis,
                       struct error *error)
 {
@@ -61,7 +61,8 @@ static bool read_whole_number(struct parser *parser, const char *what, int64_t *
     return true;
 }
 
-/* Reads the I/N of --shard. Returns false with an error. */
+/* Reads the I/N of --shard, the I-th of N equal parts of all points, into the request. Returns
+ * false with an error unless 1 <= I <= N. */
 static bool read_shard(struct parser *parser, struct sweep_request *request, struct error *error)
 {
     const struct text all = text_trim(parser->rest);
@@ -127,8 +128,8 @@ static bool read_option(struct parser *parser, struct sweep_request *request,
     return true;
 }
 
-/* Reads the number of skip= or keep=. Returns false with an error if it is below 0 or 1,
- * respectively. */
+/* Reads the number of skip= (events to leave out, at least 0) or keep= (events to record, at least
+ * 1), whichever `name` is, into the section. Returns false with an error. */
 static bool read_count(struct parser *parser, struct text name, struct sweep_section *section,
                        struct error *error)
 {
@@ -144,7 +145,9 @@ static bool read_count(struct parser *parser, struct text name, struct sweep_sec
            error_at(error, where, "%s= needs at least %d", skip ? "skip" : "keep", !skip);
 }
 
-/* Reads axes, event, measures and options of a statement; `rest` follows the word `sweep`. */
+/* Reads axes, event, measures and options of a statement into request and options; `rest` is the
+ * text that follows the word `sweep`. Returns false with an error. Without axes the statement is
+ * valid only with --resume FILE, whose head names them. */
 bool read_sweep(struct session *session, const struct arguments *args, struct text rest,
                 struct sweep_request *request, struct sweep_options *options, struct error *error)
 {
@@ -210,7 +213,8 @@ static void reply_points(const struct swept *swept, const struct table *table, s
     }
 }
 
-/* Returns the sweep together with the measures that are shown. */
+/* Returns the sweep together with the measures that are shown: the requested columns, which are
+ * formulas of the computed measures, or without formulas the measures themselves. */
 static struct swept swept_of(const struct sweep_request *request, const struct sweep *sweep)
 {
     struct swept swept = {.sweep = sweep,
@@ -225,8 +229,8 @@ static struct swept swept_of(const struct sweep_request *request, const struct s
     return swept;
 }
 
-/* Stores the table of results for plots and replies, with text or with records. Without memory the
- * table is left out. */
+/* Stores the table of results as "sweep" for plots and replies, and replies with text or records.
+ * If out of memory the table is left out. */
 static void reply_sweep(struct session *session, const struct swept *swept,
                         const struct arguments *args, struct reply *reply)
 {
@@ -275,8 +279,9 @@ struct sweep_request sweep_request_begin(struct session *session)
                                   .measures = 1};
 }
 
-/* Computes a sweep, replies with it and, if it was stopped, keeps what is finished for `continue`.
- * Returns false with an error. */
+/* Computes a sweep and replies with it. A sweep stopped by Ctrl-C replies with the finished points
+ * and stores them with its statement for `continue`. Returns false with an error, also if
+ * stopped. */
 static bool sweep_in_memory(struct session *session, const struct arguments *args,
                             const struct sweep_request *request, struct text statement,
                             struct reply *reply, struct error *error)
@@ -304,7 +309,9 @@ static bool sweep_in_memory(struct session *session, const struct arguments *arg
     return ok;
 }
 
-/* Reads, computes and answers a sweep; `previous` holds points that are finished already. */
+/* Reads, computes and answers the sweep of a statement. `previous` holds points that are finished
+ * already, or is NULL. With --dry-run only the cost is estimated, with --resume results go into a
+ * file. Returns false with an error, also if stopped. */
 bool sweep_statement(struct session *session, const struct arguments *args, struct text statement,
                      const struct sweep *previous, struct reply *reply, struct error *error)
 {

@@ -5,7 +5,8 @@
 
 #include <string.h>
 
-/* Offers completions of `sweep`: events after `at`, measures after `measure=`. */
+/* Offers completions of `sweep`: events after `at`, measures after `measure=`, and columns within
+ * their parentheses. Returns false if none apply at the end of prefix. */
 bool sweep_complete(struct completion *c, const struct command *command, struct text prefix)
 {
     struct text name;

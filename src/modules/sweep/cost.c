@@ -16,9 +16,10 @@ struct cost_sample {
     double seconds, bytes;
 };
 
-/* Computes `each` points at each place. Places lie in the middle of equal parts of the shard, so
- * that slow ends have no more than their share, and begin where batches of lanes do. Returns false
- * with an error if a point fails or if cancelled. */
+/* Computes `each` points at each of up to COST_SAMPLES places of the shard, and sums points, time
+ * and size of rows in *sample. Places lie in the middle of equal parts of the shard, so that slow
+ * ends have no more than their share, and begin where batches of lanes do. Returns false with an
+ * error if a point fails or if cancelled. */
 static bool take_sample(struct session *session, const struct sweep_request *request,
                         const struct sweep *shard, int64_t each, struct cost_sample *sample,
                         struct error *error)
@@ -53,7 +54,8 @@ static bool take_sample(struct session *session, const struct sweep_request *req
     return ok;
 }
 
-/* Estimates time and size of a sweep from some of its points (`sweep ... --dry-run`). */
+/* Estimates time and size of a sweep from some of its points (`sweep ... --dry-run`), of which more
+ * are taken until they need COST_SECONDS, and replies with them. Returns false with an error. */
 bool sweep_cost(struct session *session, const struct sweep_request *request, struct reply *reply,
                 struct error *error)
 {

@@ -21,7 +21,8 @@ struct density {
     double *value;        /* [columns][rows] log2(1 + points) */
 };
 
-/* Counts the points of all events in each cell and takes logarithms. */
+/* Counts in d->value the points of all events in each cell, whose column is the parameter and row
+ * the first measure, and replaces each count by log2(1 + count). */
 static void count_points(const struct swept *swept, const struct density *d)
 {
     for (int64_t i = 0; i < swept->sweep->count; i++)
@@ -99,7 +100,7 @@ static void put_repeats(const struct session *session, const struct swept *swept
 /* ---- in words ---- */
 
 /* Appends at most `max` ranges of the parameter in which states repeat after the same number of
- * events. */
+ * events; NaN means that they do not repeat. */
 static void put_stretches(const struct swept *swept, int max, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
@@ -129,7 +130,8 @@ static void put_stretches(const struct swept *swept, int max, struct buffer *tex
     }
 }
 
-/* Writes a sweep at a section in text: its diagram, and how many points lack events. */
+/* Writes a sweep at a section in text: its diagram, and the number of points that lack events.
+ * `rows` is the height of the answer, or 0 for the whole diagram. */
 void diagram_text(const struct session *session, const struct swept *swept, int rows,
                   struct arena *arena, struct buffer *text)
 {

@@ -9,7 +9,9 @@ bool sweep_known(const struct session *session)
     return table_store_find(&session->studies.found, TEXT("sweep"));
 }
 
-/* Draws the last sweep: as a curve, an orbit diagram, or a map over two parameters. */
+/* Draws the last sweep: as a curve, as an orbit diagram if it has events of a section, or as a map
+ * if two parameters were swept (its first two rows then have the same first parameter). Returns
+ * false with an error. */
 bool sweep_figure(struct drawing *d, struct figure *figure)
 {
     const struct stored_table *found = table_store_find(&d->session->studies.found, TEXT("sweep"));

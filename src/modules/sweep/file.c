@@ -98,8 +98,9 @@ void sweep_seal(struct text head, int64_t total, int64_t rows_max, struct buffer
                   rows_max == 1 ? "" : "s");
 }
 
-/* Checks that a seal line agrees with the head and with other seals, and stores the first one.
- * Returns false with an error if it belongs to another sweep. */
+/* Reads a seal line, which ends a complete part of the file with the checksum of the head. `sum` is
+ * the checksum in the line. Stores the first seal; returns false with an error if the line differs
+ * from earlier seals or does not belong to the head. */
 static bool take_seal(struct sweep_scan *scan, struct text line, uint64_t sum)
 {
     struct sweep_file *file = scan->file;
@@ -221,7 +222,9 @@ static void drop_incomplete_point(struct sweep_scan *scan)
     file->blocks -= --last->count == 0;
 }
 
-/* Reads a file, without a last point of which rows may be missing. */
+/* Reads a file and adds its blocks of points to *file. Ignores a torn last line and a last point of
+ * which rows may be missing, as left by a killed program. Returns false with an error, also if
+ * cancelled. */
 bool sweep_file_read(int fd, struct sweep_file *file, struct error *error)
 {
     struct sweep_scan scan = {.file = file, .error = error, .begun = file->blocks};
@@ -314,7 +317,9 @@ bool sweep_file_is_whole(const struct sweep_file *file, int64_t first, int64_t c
            file->seals == (count + cell - 1) / cell && file->size == file->end;
 }
 
-/* Copies all points in order, with head and seals, to the writer. */
+/* Copies all points of the file in the order of its sorted blocks to the writer: the head if the
+ * first point is among them, rows, and a seal after each cell of points and at the end. Returns
+ * false with an error if the data cannot be read again, or if cancelled. */
 bool sweep_file_make_whole(const struct sweep_file *file, int fd, struct text head,
                            struct text seal, struct writer *writer, struct error *error)
 {
@@ -375,8 +380,8 @@ struct differences {
     int64_t count;
 };
 
-/* Reports that points [first, end) are missing or otherwise wrong, unless there are none or enough
- * was reported. */
+/* Reports that points first to end - 1 are `what` (missing, ...). Does nothing if there are none;
+ * only counts after DIFFERENCES_SHOWN reports. */
 static void put_difference(struct differences *differences, int64_t first, int64_t end,
                            const char *what)
 {
@@ -392,8 +397,8 @@ static void put_difference(struct differences *differences, int64_t first, int64
     reply_string(differences->reply, NULL, line);
 }
 
-/* Replies with the missing and repeated points of all files together. Returns true if there are
- * none. */
+/* Replies with the missing and repeated points of all files together. Returns true if each point of
+ * the sweep is present exactly once. */
 static bool reply_check(struct sweep_file *all, int files, struct reply *reply)
 {
     struct differences differences = {.reply = reply};
@@ -428,7 +433,8 @@ static bool reply_check(struct sweep_file *all, int files, struct reply *reply)
     return differences.count == 0;
 }
 
-/* Checks that files together have each point of their sweep once (`hooke --check-sweep`). */
+/* Checks that `count` files together have each point of their sweep once (`hooke --check-sweep`),
+ * and replies. Returns the exit status, 0 if they have. */
 int sweep_check(struct session *session, const char *const *path, int count, struct reply *reply)
 {
     struct sweep_file all = {.cancel = session->front.cancel};

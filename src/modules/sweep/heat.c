@@ -83,7 +83,8 @@ static void put_x_labels(const struct heat *heat, int gutter, int columns, struc
     buffer_char(output, '\n');
 }
 
-/* Appends the shades with the values between them, and x for gaps if there are some. */
+/* Appends the shades with the limits of their values, folded at `width` characters; `gaps` adds
+ * that x marks cells without value. */
 static void put_legend(const struct heat *heat, const struct heat_scale *scale,
                        const struct charset *charset, bool gaps, int width, struct buffer *output)
 {
@@ -113,7 +114,9 @@ static void put_legend(const struct heat *heat, const struct heat_scale *scale,
     buffer_put(output, gaps ? TEXT("   x: no value\n") : TEXT("\n"));
 }
 
-/* Draws a map as text: shades or letters in cells, axes at its edges and a legend below. */
+/* Draws a map as text in at most width x height characters: shades or letters in cells, axes at its
+ * edges and a legend below; for screen readers a description in words. Returns false if out of
+ * memory. */
 bool heat_print(const struct heat *heat, int width, int height, const struct charset *charset,
                 struct buffer *output)
 {

@@ -58,8 +58,9 @@ struct column_slots {
     bool many; /* true if there are more than SWEEP_COLUMNS */
 };
 
-/* Returns the slot in a sweep_expression for a slot of names_scope(): a column of the run, added if
- * it is new, or a value of the scene; negative if the name is to become a number. */
+/* Translates a slot of names_scope() for an expression: into a column of the run (added if it is
+ * new), or into a slot of the scene's values, from SWEEP_SLOT_PARAM on. Returns a negative value if
+ * the name is to become a number. Sets slots->many if there are too many columns. */
 static int column_slot(void *context, int slot)
 {
     struct column_slots *slots = context;
@@ -88,7 +89,8 @@ static enum quantity quantity_of(const struct expr *expr)
     return quantity == QUANTITY_OTHER ? QUANTITY_NUMBER : quantity;
 }
 
-/* Compiles an expression of quantities of a run. Returns NULL with `error` filled. */
+/* Compiles an expression of quantities of a run, as in mean(x^2), in the arena. Returns NULL with
+ * an error. */
 static const struct sweep_expression *read_column(struct parser *parser, struct text text,
                                                   struct error *error)
 {
@@ -217,8 +219,8 @@ static bool read_reduction(struct formula_reader *r, struct text whole, struct t
     return made->place >= 0;
 }
 
-/* Finds all reductions in the text, adds their measures and replaces them by names in the copy.
- * Returns false with an error. */
+/* Finds all reductions in the text, such as max(y) or x(end), adds their measures and overwrites
+ * each in r->copy by q characters, so that it parses as a name. Returns false with an error. */
 static bool find_reductions(struct formula_reader *r)
 {
     static const char *const words[] = {"amplitude", "period", "mean", "max", "min", "rms"};
@@ -269,9 +271,9 @@ static bool is_own_parameter(const struct scene *scene, struct text name)
            catalog_find(scene_params(scene), name);
 }
 
-/* Finds a name of an expression: a reduction, a measure or a column at the end of the run, or what
- * the session knows. Slots are those of struct sweep_formula, then from 2 * SWEEP_MEASURES on those
- * of the session. Returns false if it is unknown. */
+/* Finds a name of an expression: a reduction, a measure or column at the end of the run, or a name
+ * of the session. Sets *slot to the measure's number (plus SWEEP_MEASURES for the root of a mean),
+ * or to 2 * SWEEP_MEASURES plus the session's slot. Returns false if the name is unknown. */
 static bool formula_find(const void *context, struct text name, int *slot)
 {
     struct formula_reader *r = *(struct formula_reader *const *)context;
@@ -334,8 +336,8 @@ static int formula_slot(void *context, int slot)
     return slot < 2 * SWEEP_MEASURES ? slot : slot_of_point(&scope, slot - 2 * SWEEP_MEASURES);
 }
 
-/* Compiles an expression of measures. Returns NULL with an error, which points into the typed
- * text. */
+/* Compiles the text of `r` as an expression of measures, in the arena. Returns NULL with an error,
+ * which points into the typed text. */
 static const struct sweep_formula *read_formula(struct formula_reader *r)
 {
     struct formula_reader *self = r;
@@ -376,8 +378,8 @@ static const struct sweep_formula *read_formula(struct formula_reader *r)
 
 /* ---- the list ---- */
 
-/* Splits off the next item of a list, up to a comma outside parentheses, without quotes around it.
- * Returns false if there is none. */
+/* Splits the next item off the list *rest, up to a comma outside parentheses, and removes blanks
+ * and quotes around it. Returns false if *rest is empty. */
 static bool next_item(struct text *rest, struct text *item)
 {
     int depth = 0;
@@ -409,8 +411,8 @@ static bool is_formula(struct text item)
     return !catalog_find(&sweep_measure_catalog, word) || !is_plain(inner) || text_is(inner, "end");
 }
 
-/* Adds an item of the list to the request's columns: a measure or an expression. Returns false with
- * an error. */
+/* Adds an item of the list behind measure= to the request's columns: a measure or an expression of
+ * measures. Returns false with an error. */
 static bool read_item(struct parser *parser, struct text item, struct sweep_request *request,
                       struct error *error)
 {
@@ -437,7 +439,8 @@ static bool read_item(struct parser *parser, struct text item, struct sweep_requ
     return shown->formula;
 }
 
-/* Reads the list of measures behind `measure=`. */
+/* Reads the list behind `measure=` into the request. If no item is an expression, the items are the
+ * measures themselves and request->columns is 0. Returns false with an error. */
 bool read_measures(struct parser *parser, struct sweep_request *request, struct error *error)
 {
     struct text rest = text_trim(parser->rest), item;

@@ -10,7 +10,8 @@
 
 #include <string.h>
 
-/* Returns the text up to a key or an option that can follow it. */
+/* Returns the text of an event: up to the next of the keys skip=, keep=, measure=, or an option
+ * with --. */
 static struct text section_text(struct text rest)
 {
     static const char *const keys[] = {"skip", "keep", "measure"};
@@ -72,8 +73,9 @@ static const struct expr *expr_of_point(const struct expr *expr, struct expr_sco
 
 /* ---- what is typed ---- */
 
-/* Reads the right side of EXPR = EXPR or EXPR rising VALUE into the event. Returns false with an
- * error. */
+/* Reads what follows the left side of EXPR = EXPR, or of EXPR rising VALUE, into the event's right
+ * side and direction. Returns false with an error, also if both sides have a direction or a
+ * comparison. */
 static bool read_side(struct parser *parser, const struct expr_scope *scope, struct event *event,
                       struct error *error)
 {
@@ -111,8 +113,8 @@ static bool read_event_text(struct parser *parser, const struct expr_scope *scop
     return refuse_rest(parser, NULL, error);
 }
 
-/* Reads the event of a line of the session, or without one (NULL) of the parser's text, and
- * compiles it for all points. Returns false with an error. */
+/* Reads an event and compiles it for all points of the sweep: that of a line of the session, or if
+ * `line` is NULL that of the parser's text. Returns false with an error. */
 static bool read_event_in(struct parser *parser, struct expr_scope *scope,
                           const struct event_line *line, struct event *event, struct error *error)
 {
@@ -161,7 +163,8 @@ static bool is_driven(const struct session *session, struct text where, struct e
                       "a section may also be where an expression passes a value: at v = 0 falling");
 }
 
-/* Reads an event: the word `period`, the name of an event of the session, or an expression. */
+/* Reads the event of a section: the word `period` (once per period of the drive, section->strobe),
+ * the name of an event of the session, or an expression. Returns false with an error. */
 bool read_section(struct session *session, const struct arguments *args, struct text text,
                   struct sweep_section *section, struct error *error)
 {
@@ -196,7 +199,8 @@ static bool all_variables(const struct model *model, struct sweep_request *reque
     return true;
 }
 
-/* Completes the request's section with usual values and checks it. */
+/* Sets usual values of skip= and keep= where not given, and checks the section. Without `measured`
+ * (no measure= was typed) all variables are recorded. Returns false with an error. */
 bool finish_section(struct sweep_request *request, bool measured, struct error *error)
 {
     const struct sweep_section *section = &request->section;

@@ -131,8 +131,8 @@ static bool file_exists(const char *path)
     return lstat(path, &st) == 0;
 }
 
-/* Opens and locks the file. Tries again if another program has replaced it by the complete one
- * between opening and locking. Returns false with an error. */
+/* Opens and locks the file; tries three times, as another program may replace it by the complete
+ * file between opening and locking. Returns false with an error. */
 static bool open_locked(struct growing_file *g, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -240,8 +240,8 @@ static bool arrange_points(struct growing_file *g, struct error *error)
     return true;
 }
 
-/* Removes an incomplete end of the file, so that points can be added, and marks it as unfinished.
- * Returns false with `error` filled. */
+/* Prepares the file for new points: removes an incomplete end, writes the head if the file is
+ * empty, and marks it as unfinished. Returns false with an error. */
 static bool begin_adding(struct growing_file *g, struct error *error)
 {
     char name[SAFE_NAME_SIZE];
@@ -277,8 +277,8 @@ static void report_growth(void *context, double fraction)
                     ((double)g->computed + fraction * (double)g->piece) / (double)g->missing);
 }
 
-/* Adds the finished points of a piece to the file; if it was stopped these are some. Returns false
- * with an error. */
+/* Adds the finished points of a piece to the file; a stopped piece has some that are missing.
+ * Returns false with an error. */
 static bool add_finished(struct growing_file *g, const struct sweep *piece, struct error *error)
 {
     for (int64_t block_begin = 0, block_end; block_begin < piece->count; block_begin = block_end) {

@@ -37,7 +37,8 @@ bool sweep_waits(const struct session *session)
     return part && part->stopped;
 }
 
-/* Keeps a stopped sweep for `continue`, and moves its results out of `sweep`. */
+/* Stores a stopped sweep with its statement and set-up for `continue`, and moves its results out of
+ * `sweep`. If out of memory it cannot be continued. */
 void sweep_keep_stopped(struct session *session, struct text statement, struct sweep *sweep)
 {
     sweep_forget_stopped(session);
@@ -63,7 +64,8 @@ static void log_whole_sweep(struct session *session, const char *statement)
     buffer_free(&text);
 }
 
-/* Completes the stopped sweep. */
+/* Completes the stopped sweep, if the set-up is still the same, and replies with it. A sweep that
+ * is stopped again, or that fails, can be continued again. Returns false with an error. */
 bool sweep_continue(struct session *session, const struct arguments *args, struct reply *reply,
                     struct error *error)
 {

@@ -56,7 +56,8 @@ static struct sweep_column sweep_column_of(const struct swept *swept, int index)
     return column;
 }
 
-/* Appends the table with at most TABLE_ROWS points, evenly chosen. */
+/* Appends the table of the sweep with at most TABLE_ROWS points, evenly chosen, and a column for
+ * their status if not all were computed. */
 static void sweep_table_put(const struct session *session, const struct swept *swept,
                             struct arena *arena, struct buffer *text)
 {
@@ -92,8 +93,9 @@ static void sweep_table_put(const struct session *session, const struct swept *s
                       (long long)every, ordinal[every < 4 ? every : 4]);
 }
 
-/* Reduces a curve to the first, lowest, highest and last point of each block of `each` neighbours,
- * which looks the same. Returns the number of points in x and y. */
+/* Copies to x and y the first, lowest, highest and last point of each block of `each` neighbours,
+ * in order of x, as a curve through these looks the same. Returns the number of points, at most 4
+ * per block. */
 static size_t curve_thin(const struct swept *swept, int measure, int64_t each, double *x, double *y)
 {
     const struct sweep *sweep = swept->sweep;
@@ -121,8 +123,8 @@ static size_t curve_thin(const struct swept *swept, int measure, int64_t each, d
     return kept;
 }
 
-/* Appends a curve of a measure over the parameter, `height` rows high. Appends nothing for fewer
- * than three points. */
+/* Appends a curve of a measure over the parameter, `height` rows high, logarithmic if its values
+ * span a factor above 300. Appends nothing for fewer than three points. */
 static void put_curve(const struct session *session, const struct swept *swept, int measure,
                       int height, struct arena *arena, struct buffer *text)
 {
@@ -250,7 +252,8 @@ static void put_starts(const struct swept *swept, struct buffer *text)
         buffer_put(text, TEXT("only starts differ; 'basins' shows the attractor of each start\n"));
 }
 
-/* Writes a line such as "103 of 103 points in 0.1 s ...", and lines on points that failed. */
+/* Appends a line such as "103 of 103 points in 0.1 s ...": points, time, steps, lanes and
+ * threads. */
 void sweep_summary(const struct sweep *sweep, struct buffer *text)
 {
     buffer_format(text, "%lld of %lld point%s", (long long)sweep->finished, (long long)sweep->count,
@@ -276,7 +279,8 @@ void sweep_failures(const struct sweep *sweep, struct buffer *text)
                       sweep->reason);
 }
 
-/* Appends the remarks below the figures. */
+/* Appends the remarks below the figures: missing periods, summary, watched variable, attractors,
+ * and points that failed. */
 static void put_remarks(const struct swept *swept, struct buffer *text)
 {
     const struct sweep *sweep = swept->sweep;
@@ -325,8 +329,8 @@ static void put_figures(const struct session *session, const struct swept *swept
         }
 }
 
-/* Appends figures and remarks in at most `rows` lines, with the table if it fits, and says what was
- * left out. */
+/* Appends figures and remarks in at most `rows` lines, with the table if it fits, and a line that
+ * names what was left out. */
 static void put_short(const struct session *session, const struct swept *swept, int rows,
                       struct arena *arena, struct buffer *text)
 {
@@ -360,7 +364,8 @@ static void put_short(const struct session *session, const struct swept *swept, 
     buffer_free(&remarks);
 }
 
-/* Writes the sweep in at most `rows` lines, where figures are preferred to tables. */
+/* Writes the sweep in at most `rows` lines, where figures are preferred to tables, or all of it if
+ * rows is 0. */
 void sweep_text(const struct session *session, const struct swept *swept, int rows,
                 struct arena *arena, struct buffer *text)
 {

@@ -38,7 +38,8 @@ enum quantity swept_quantity(const struct swept *swept, int m)
     return sweep_measure_quantity(&swept->measure[m], swept->model);
 }
 
-/* Sets the smallest and largest of the finite values of a measure. */
+/* Sets *low and *high to the smallest and largest finite value of measure m, or to HUGE_VAL and
+ * -HUGE_VAL if there is none. */
 void swept_range(const struct swept *swept, int m, double *low, double *high)
 {
     *low = HUGE_VAL;
@@ -67,7 +68,8 @@ const char *swept_unit_name(const struct unit *unit, enum quantity quantity)
 
 /* ---- maps ---- */
 
-/* Makes an axis of a map from evenly distributed values of the sweep's axis. */
+/* Makes an axis of a map with `count` values, evenly distributed over `span` steps of the sweep's
+ * axis from number `first` on. Its value is NULL if out of memory. */
 struct heat_axis swept_axis(const struct sweep *sweep, int axis, int64_t first, int64_t span,
                             int count, struct arena *arena)
 {
@@ -84,7 +86,9 @@ struct heat_axis swept_axis(const struct sweep *sweep, int axis, int64_t first, 
                               .count = count};
 }
 
-/* Draws a value of each point of a sweep over two parameters as a map in text. */
+/* Draws value(swept, i, m) of each point i of a sweep over two parameters as a map in text, at
+ * least HEIGHT_MIN rows high; `heat` gives title and unit. Draws nothing for too many points or if
+ * out of memory. */
 void swept_map(const struct session *session, const struct swept *swept, struct heat heat,
                double value(const struct swept *swept, int64_t i, int m), int m, int height,
                struct arena *arena, struct buffer *text)
@@ -121,7 +125,8 @@ static bool add_column(struct table *table, struct table_column *column, const c
     return value && added->name;
 }
 
-/* Adds the columns of numbers to the table. Returns false if out of memory. */
+/* Adds the table's columns of numbers: point, parameters, measures, and at a section event, time,
+ * the first measure at the next event, and number of repeats. Returns false if out of memory. */
 static bool add_columns(const struct swept *swept, struct table *table, struct table_column *column,
                         struct arena *arena)
 {
@@ -150,7 +155,8 @@ static bool add_columns(const struct swept *swept, struct table *table, struct t
     return ok;
 }
 
-/* Fills in the numbers of a row: event k of the `events` of point i. */
+/* Fills in the numbers of a row of the table: event k of the `events` of point i; the columns are
+ * those of add_columns(). */
 static void fill_row(const struct swept *swept, int64_t i, int64_t k, int64_t events,
                      const struct table_column *column, size_t row)
 {
@@ -182,7 +188,8 @@ static int64_t row_count(const struct swept *swept, int64_t i)
     return events > 0 ? events : swept->sweep->status[i] != SWEEP_MISSING;
 }
 
-/* Makes the table of results: a row per point, or per event at a section. */
+/* Makes the table of results in the arena: a row per point, or per event at a section. Returns
+ * false if out of memory. */
 bool swept_table(const struct swept *swept, struct arena *arena, struct table *table)
 {
     const struct sweep *sweep = swept->sweep;

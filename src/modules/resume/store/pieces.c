@@ -59,8 +59,8 @@ void reader_made_events(struct reader *reader, const struct events *events)
     buffer_free(&script);
 }
 
-/* Makes a scene by its commands, or takes one that they have made before. Returns false with an
- * error. */
+/* Makes a scene by the commands in script, or takes one that the same commands have made before.
+ * Its values are not set. Returns false with an error. */
 static bool reader_scene_make(struct reader *reader, struct text script, struct scene *scene,
                               struct error *error)
 {
@@ -124,7 +124,9 @@ static void note_unknown(struct reader *reader, struct text names,
     }
 }
 
-/* Reads the scene in the field `name` of a text. */
+/* Reads the scene in the field `name` of a text into *scene. *places, unless NULL, becomes the
+ * order in which the file has its parameters. Returns false with an error, and *scene has then no
+ * meaning. */
 bool reader_scene(struct reader *reader, struct text text, const char *name, struct scene *scene,
                   struct field_places *places, struct error *error)
 {
@@ -153,7 +155,8 @@ bool reader_scene(struct reader *reader, struct text text, const char *name, str
     return true;
 }
 
-/* Reads the events of a run, *events NULL if it has none. Returns false with an error. */
+/* Reads the events of a run from its record; *events becomes NULL if it has none. Events that the
+ * same commands have made before are shared. Returns false with an error. */
 static bool read_events(struct reader *reader, struct text text, const struct events **events,
                         struct error *error)
 {
@@ -180,7 +183,8 @@ static void get_flag(struct text text, const char *name, bool *flag)
     fields_get(text, &(struct field){name, 0, sizeof *flag, FIELD_BOOLS, 0, 0}, 1, flag);
 }
 
-/* Adds one request of the run's journal. Returns false with an error if it is damaged. */
+/* Adds one request of the run's journal to the run. Parameters are renumbered by places, as this
+ * version may have others. Returns false with an error if the request is damaged. */
 static bool add_asked(struct run_slot *slot, const struct field_places *places, struct text text,
                       struct error *error)
 {
@@ -219,7 +223,8 @@ struct run_parts {
     int number;
 };
 
-/* Reads scene, events, method and number of a run. Returns false with an error. */
+/* Reads scene, events, method, number and note of a run into *parts. Returns false with an
+ * error. */
 static bool read_parts(struct reader *reader, const struct read_run *source,
                        struct run_parts *parts, struct error *error)
 {
@@ -242,8 +247,8 @@ static bool read_parts(struct reader *reader, const struct read_run *source,
     return read_events(reader, parts->text, &parts->events, error);
 }
 
-/* Makes the run and adds it to the session. Returns false with an error, and leaves the session
- * without it. */
+/* Makes the run from its parts and rows and adds it to the session. Returns false with an error,
+ * and leaves the session without the run. */
 static bool read_run(struct reader *reader, const struct read_run *source, struct run_parts *parts,
                      struct error *why)
 {
@@ -277,7 +282,8 @@ static bool read_run(struct reader *reader, const struct read_run *source, struc
     return ok;
 }
 
-/* Adds the runs with these ids, in this order, to the session. */
+/* Adds the runs with these ids (8 bytes each), in this order, to the session. A run that cannot be
+ * restored is left out with a note. */
 void reader_runs(struct reader *reader, struct text ids)
 {
     uint64_t id;
@@ -320,8 +326,9 @@ static bool any_name(const char *name)
     return true;
 }
 
-/* Writes the bytes to a file of the same name in a new folder. Returns its path, which the
- * caller frees, or NULL on failure. */
+/* Writes the content to a file with the last component of path as its name, in a new folder within
+ * `temporary` (/tmp if NULL or empty). Returns its path, which the caller frees, or NULL on
+ * failure. The caller removes the folder by folder_abandon(). */
 static char *put_file(const char *temporary, struct text path, struct text content,
                       struct folder *folder)
 {
@@ -369,8 +376,8 @@ static bool reader_recording_load(struct reader *reader, struct text path, struc
                   error_set(error, ERROR_IO, "it has another name now"));
 }
 
-/* Loads the recording from the session file, or from its original path, where it may have
- * changed. */
+/* Loads a recording from the bytes in the session file, or if these are missing from its original
+ * path with a note that it may have changed. Returns false with an error. */
 static bool load_kept(struct reader *reader, struct text text, struct text path,
                       struct error *error)
 {
@@ -405,7 +412,8 @@ static bool load_kept(struct reader *reader, struct text text, struct text path,
     return copy && !slot->content.failed ? true : error_memory(error);
 }
 
-/* Restores a recording with its statement, window and other fields. Returns false with an error. */
+/* Restores a recording with its statement, window and other fields, except for window and fields if
+ * the file that was read has another number of rows. Returns false with an error. */
 static bool read_recording(struct reader *reader, struct text text, struct error *error)
 {
     struct session *session = reader->session;
@@ -433,7 +441,8 @@ static bool read_recording(struct reader *reader, struct text text, struct error
     return true;
 }
 
-/* Adds the recordings of the state to the session. */
+/* Adds the recordings of the state to the session. A recording that cannot be restored is left out
+ * with a note. */
 void reader_recordings(struct reader *reader)
 {
     struct text text = reader->state, name, value;

@@ -34,7 +34,8 @@ static bool restored_text_keep(void *context, struct text text)
     return true;
 }
 
-/* Executes commands, one per line, up to the first that fails. */
+/* Executes commands, one per line, up to the first that fails. Their replies are dropped. Returns
+ * false with an error, the first line of the failed command's reply. */
 bool reader_execute(struct reader *reader, struct text commands, struct error *error)
 {
     const struct source where = {.name = reader->name};
@@ -72,7 +73,8 @@ static void place_elements(const struct store_array *array, char *made, int coun
     *(int *)(void *)((char *)owner + array->count) = count;
 }
 
-/* Reads an array of the state into `owner`; it is unchanged if an element cannot be read. */
+/* Reads an array of the state into `owner`, unless an element is damaged or there are too many,
+ * which is noted. */
 void reader_array(struct reader *reader, const struct store_array *array, void *owner)
 {
     struct text text = reader->state, name, value;
@@ -106,7 +108,7 @@ void reader_array(struct reader *reader, const struct store_array *array, void *
                     array->name);
 }
 
-/* Restores a table of results; a damaged one is noted. */
+/* Restores a table of results into the session; a damaged one is left out with a note. */
 static void read_table(struct reader *reader, struct text text)
 {
     struct text kind, csv;
@@ -141,8 +143,8 @@ static void read_tables(struct reader *reader)
 
 /* ---- what was typed and said ---- */
 
-/* Restores typed lines from a record. Lines that do not follow those read before replace them. A
- * damaged record is ignored. */
+/* Restores typed lines from a record (the section), which are appended to the history. A record
+ * that does not continue the lines read before replaces them. A damaged record is ignored. */
 static void read_lines(struct history *history, struct text section)
 {
     struct text entries, text;
@@ -219,7 +221,8 @@ static void read_history(struct reader *reader)
 
 /* ---- the whole ---- */
 
-/* Restores the set-up by its commands; those that cannot be executed are noted. */
+/* Restores the set-up by its commands; those that cannot be executed are noted. Scenes and events
+ * made by them are remembered, as runs may share them. */
 static void read_setup(struct reader *reader)
 {
     struct session *session = reader->session;
@@ -267,8 +270,9 @@ static void read_view(struct reader *reader)
         reader_note(reader, "the view is left out because it is damaged");
 }
 
-/* Corrects the current run, given by its index and id in the file, and other indices and numbers,
- * for lists that lack what could not be restored. */
+/* Corrects the indices of the current run and recording and the next number and id of runs, for
+ * lists that lack what could not be restored. index and run_id are those of the current run in the
+ * file. */
 static void session_run_order(struct session *session, int index, uint64_t run_id)
 {
     session->runs.current = index < 0 ? -1 : session->runs.count - 1;
@@ -289,8 +293,8 @@ static void session_run_order(struct session *session, int index, uint64_t run_i
     }
 }
 
-/* Restores everything. Runs and recordings change the set-up, indices and numbers while they are
- * added; what the file has of these is read after that. */
+/* Restores everything from the records. Runs and recordings change the set-up, indices and numbers
+ * while they are added, so that these are read after them. */
 static void read_all(struct reader *reader)
 {
     struct session *session = reader->session;
@@ -332,7 +336,9 @@ static void read_all(struct reader *reader)
     session_changed(session);
 }
 
-/* Restores the session from the content of a file into a new session. */
+/* Restores the content of a session file into a new session. `name` is the file's name for
+ * messages, `temporary` a folder for temporary files or NULL; *notes receives a line for each part
+ * left out. Returns false with an error if nothing can be restored. */
 bool session_restore(struct session *session, struct text content, const char *name,
                      const char *temporary, struct buffer *notes, struct error *error)
 {

@@ -48,8 +48,8 @@ static bool is_known_kind(uint32_t kind)
     return kind != 0 && kind < 128 && strchr("DRWLTBS", (int)kind);
 }
 
-/* Adds a record to the list, or counts it as damaged or of an unknown kind. Returns false if out of
- * memory. */
+/* Adds a record to the list; one whose checksum is wrong, or of an unknown kind, is only counted.
+ * Returns false if out of memory. */
 static bool take_record(struct reader *reader, const struct record_head *head, struct text content)
 {
     if (head->sum != bytes_sum(content)) {
@@ -67,7 +67,8 @@ static bool take_record(struct reader *reader, const struct record_head *head, s
     return true;
 }
 
-/* Collects all records. Returns false if out of memory. */
+/* Collects all records of the file and skips damaged bytes between them. Returns false if out of
+ * memory. */
 static bool take_records(struct reader *reader, struct text rest)
 {
     struct record_head head;
@@ -112,8 +113,8 @@ static struct read_run *read_run_of(struct reader *reader, uint64_t id)
     return &reader->run[reader->runs++];
 }
 
-/* Adds rows to their run, where they replace all rows from their first one on. Returns false if out
- * of memory. */
+/* Adds rows to their run, where they replace all rows from their first one on; damaged ones are
+ * ignored. The rows remain in the file's content. Returns false if out of memory. */
 static bool take_rows(struct reader *reader, struct text content)
 {
     struct rows_head head;
@@ -149,7 +150,8 @@ static bool take_run(struct reader *reader, struct text content)
     return run != NULL;
 }
 
-/* Collects all valid records up to the last S, and rows and runs by id. */
+/* Collects all valid records up to the last state record, which completes a save, and rows and runs
+ * by id. Returns false with an error if there is no state or if out of memory. */
 bool reader_scan(struct reader *reader, struct text content, struct error *error)
 {
     content = text_after(content, strlen(STORE_HEADER));

@@ -135,8 +135,8 @@ static struct stored_run *stored_run_add(struct stored *stored, uint64_t id)
     return &stored->run[stored->runs++];
 }
 
-/* Writes the rows of a run from the first one that differs from the file's on. Returns false with
- * an error, or if stopped. */
+/* Writes the rows of a run from the first one on that differs from those in the file. Returns false
+ * with an error, or if stopped or past the deadline. */
 static bool put_rows(struct output *output, struct run *run, struct stored_run *stored_run)
 {
     struct stored *stored = output->stored;
@@ -164,8 +164,8 @@ static bool put_rows(struct output *output, struct run *run, struct stored_run *
     return !stored->unfinished;
 }
 
-/* Writes a run, unless the file has the same, with its rows unless `left_out`. Returns false with
- * an error, or if stopped. */
+/* Writes a run unless the file has it unchanged, with its rows unless `left_out`. `going` means
+ * that it is advancing. Returns false with an error, or if stopped. */
 static bool put_run(struct output *output, const struct run_slot *slot, bool left_out, bool going)
 {
     struct stored_run *stored_run = find_run(output->stored, slot->id);
@@ -216,8 +216,8 @@ static void forget_runs(struct stored *stored, const struct session *session)
     stored->runs = stored->runs > session->runs.count ? kept : stored->runs;
 }
 
-/* Writes all runs, the newest first, with rows as long as these are not too many. Returns false
- * with an error, or if stopped. */
+/* Writes all runs, the newest first; older ones without rows once all rows exceed STORE_ROW_BYTES.
+ * Returns false with an error, or if stopped. */
 static bool put_runs(struct output *output, const struct session *session)
 {
     size_t all = 0;
@@ -334,7 +334,8 @@ static bool put_recording(struct output *output, struct recording_slot *slot)
     return record_end(output, RECORD_BYTES);
 }
 
-/* Writes a module's content that is written once, such as the curve of a fit. */
+/* Writes a module's content that is written once, such as the curve of a fit, unless the file has
+ * it. Returns false with an error, or if stopped. */
 static bool put_content(struct output *output, const struct session_part *part)
 {
     struct stored *stored = output->stored;

@@ -110,7 +110,8 @@ static bool choose_name(struct autosave *autosave, long number, struct error *er
     return autosave->path || error_set(error, ERROR_IO, "HOME is not set");
 }
 
-/* Opens a new file under a hidden name, which it keeps until it is complete. */
+/* Opens a new file under a hidden name (*hidden), which it has until it is complete, and writes the
+ * header. Returns false with an error. */
 static bool open_new(struct autosave *autosave, struct buffer *hidden, struct error *error)
 {
     char random[STRAY_NAME_SIZE];
@@ -155,8 +156,9 @@ static void close_file(struct autosave *autosave)
     autosave->fd = -1;
 }
 
-/* Appends to the file. If the data cannot be written completely, the file is truncated to its
- * previous end, or removed if it is new; the same holds for a new one that is stopped. */
+/* Appends what has changed to the file. If the data cannot be written completely, the file is
+ * truncated to its previous end, or removed if it is new; a new one is removed also if writing was
+ * stopped. Returns false with an error. */
 static bool autosave_append(struct autosave *autosave, const struct cancel *cancel,
                             struct error *error)
 {
@@ -188,8 +190,9 @@ static bool is_bloated(const struct autosave *autosave)
            autosave->stored.bytes > 2 * autosave->whole + autosave->slack;
 }
 
-/* Begins a new file with the records that are still needed, which will replace this one. If
- * there is no room or time for it, this one remains. */
+/* Begins a new file with the records that are still needed, which will replace the present one.
+ * Without room or time for it the present file remains, and autosave->slack is doubled after an
+ * error. */
 static void fresh_begin(struct autosave *autosave, const struct cancel *cancel)
 {
     struct stored stored = {0};
@@ -277,7 +280,8 @@ static void sync_begin(struct autosave *autosave, const struct cancel *cancel)
 
 /* ---- when ---- */
 
-/* Deletes temporary files and old session files of ended sessions. */
+/* Deletes temporary files, empty files older than EMPTY_SECONDS, and session files of ended
+ * sessions but for the newest AUTOSAVE_KEPT. */
 static void delete_old_files(void)
 {
     char *folder = state_path("", true);
@@ -300,7 +304,8 @@ static void delete_old_files(void)
     free(folder);
 }
 
-/* Prepares saving of a session and deletes what ended sessions left. */
+/* Prepares saving of a session and deletes what ended sessions left. HOOKE_AUTOSAVE sets the
+ * interval [s], if it is a number from 0.1 to 86400. */
 void autosave_begin(struct autosave *autosave, struct session *session)
 {
     const char *wish = getenv("HOOKE_AUTOSAVE");
@@ -353,8 +358,8 @@ int64_t autosave_due(const struct autosave *autosave)
     return autosave->fd >= 0 && autosave->unsynced ? autosave->sync_due : INT64_MAX;
 }
 
-/* Reports each operation that the file system does not support once. Returns false if it has
- * reported one. */
+/* Reports, once each, that the file cannot be locked or synchronized to the disk. Returns false
+ * with such an error. */
 static bool has_all(struct autosave *autosave, struct error *error)
 {
     const int failure = atomic_exchange(&autosave->sync_failure, 0);
@@ -388,7 +393,7 @@ static bool has_room(const struct autosave *autosave, int left_out, struct error
 }
 
 /* Writes what has changed, until cancelled, and starts a sync. Returns false with an error to be
- * shown. */
+ * shown; an error of writing is shown once. */
 static bool write_until(struct autosave *autosave, const struct cancel *cancel, struct error *error)
 {
     struct error why = {0};

@@ -64,7 +64,8 @@ static int by_time(const void *a, const void *b)
     return x->time < y->time ? 1 : -1;
 }
 
-/* Lists the session files in a folder, the newest first. The caller frees item. */
+/* Lists the session files in a folder, the newest first, without those for which there is no
+ * memory. The caller frees item. */
 struct saved_list saved_list(const char *folder)
 {
     struct saved_list list = {0};
@@ -104,8 +105,8 @@ static bool is_named(const struct autosaved *saved, const char *name)
            (saved->name[len] == '\0' || strcmp(saved->name + len, AUTOSAVE_ENDING) == 0);
 }
 
-/* Returns the path of the named session file, or without a name of the newest one of an ended
- * session, to be freed. Returns NULL with an error that lists some. */
+/* Returns the path of the named session file, or if name is NULL of the newest one of an ended
+ * session. The caller frees it. Returns NULL with an error whose hint lists some sessions. */
 static char *choose_saved(const char *folder, const char *name, struct error *error)
 {
     struct saved_list list = saved_list(folder);
@@ -130,7 +131,8 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
     return path.data;
 }
 
-/* Replaces the session by a saved one, or by the newest if name is NULL. */
+/* Replaces *session by a saved one, or by the newest if name is NULL. *messages receives what was
+ * restored and notes about what was not. Returns false with an error, and leaves the session. */
 bool autosave_resume(struct session **session, const char *name, struct buffer *messages,
                      struct error *error)
 {

@@ -46,7 +46,8 @@ bool matrix_solve(int n, double *a, double *b)
     return all_finite(n, b);
 }
 
-/* Returns the determinant of a [n][n], which is overwritten. */
+/* Returns the determinant of a [n][n], which is overwritten, or NAN if an element is not finite.
+ * The exponent is summed apart and limited, so that no partial product overflows. */
 double matrix_determinant(int n, double *a)
 {
     enum { EXPONENT_MAX = 1000 };
@@ -109,7 +110,8 @@ bool matrix_eigenvalues(int n, const double *matrix, struct eigenvalue *value)
     return ok;
 }
 
-/* Finds the eigenvector re + i im [n], of length 1, of the eigenvalue nearest to `estimate`. */
+/* Finds the eigenvector re + i im [n], of length 1, of the eigenvalue nearest to `estimate`.
+ * Returns false if out of memory or without convergence. */
 bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue estimate, double *re,
                         double *im)
 {
@@ -138,8 +140,9 @@ bool matrix_eigenvector(int n, const double *matrix, struct eigenvalue estimate,
     return ok;
 }
 
-/* The right singular vectors of the two smallest singular values span the space that a maps nearly
- * to 0. */
+/* Computes in vector [n], of length 1, the direction orthogonal to `known` in the plane that a [n -
+ * 1][n] maps nearly to 0, which the right singular vectors of the two smallest singular values
+ * span. Returns false if out of memory or if it cannot be computed. */
 bool matrix_second_null(int n, const double *a, const double *known, double *vector)
 {
     const size_t size = (size_t)n;

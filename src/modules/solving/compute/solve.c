@@ -31,7 +31,8 @@ enum kernel study_path(const struct system *system, const struct method *method,
     return special ? KERNEL_SPECIALISED : KERNEL_GENERAL;
 }
 
-/* Prepares solves of `system` over span [s] from its t0. */
+/* Prepares solves of `system` over span [s], negative for backwards, from its t0. Returns false if
+ * out of memory; nothing is to be freed then. */
 bool solver_init(struct solver *solver, const struct system *system, const struct method *method,
                  const struct run_settings *settings, double span)
 {
@@ -106,9 +107,9 @@ static double grid_time(const struct solver *solver, int k)
     return solver->system->t0 + solver->span * k / (STUDY_TIMES - 1);
 }
 
-/* Samples a grid time inside a step: by dense output, or by a shorter step from its begin. A
- * multistep method without dense output leaves NAN, as the error of an interpolation would
- * dominate. */
+/* Computes the state y at the grid time t inside a step of h [s] that began at t_begin in y_begin:
+ * by dense output, or by a shorter step from the begin. A multistep method without dense output
+ * leaves y NAN, as the error of an interpolation would dominate. */
 static void sample_inside(const struct solver *s, const double *y_begin, double t_begin, double h,
                           double t, double *y)
 {
@@ -132,8 +133,9 @@ static void sample_inside(const struct solver *s, const double *y_begin, double 
             y[i] = NAN;
 }
 
-/* Samples all grid times inside a step with dense output, variable by variable, as the polynomial
- * of each is prepared once. Gives the bits of method_dense(). */
+/* Samples all grid times more than `tolerance` [s] before the end of a step with dense output,
+ * variable by variable, as the polynomial of each is prepared once. Gives the bits of
+ * method_dense(). */
 static void sample_whole(struct sampler *sampler, double t_begin, double h, double tolerance)
 {
     const struct solver *s = sampler->solver;
@@ -152,7 +154,7 @@ static void sample_whole(struct sampler *sampler, double t_begin, double h, doub
 }
 
 /* Samples all grid times up to the end of a step of h [s], which began at `t_begin` in the state
- * `y_begin`. */
+ * `y_begin`. A time within rounding of the step's end gets the state there. */
 static void sample(struct sampler *sampler, const double *y_begin, double t_begin, double h)
 {
     struct solver *s = sampler->solver;
@@ -178,7 +180,8 @@ static bool spent(const struct solver *s)
     return s->max > 0 && (solver_cost(s) > s->max || s->steps > s->max);
 }
 
-/* Makes one step, adaptive with a controller, and samples it if a grid is wanted. */
+/* Makes one step, adaptive with a controller (up to the time `end`), fixed if that is NULL, and
+ * samples grid times in it if a grid is wanted. */
 static enum step_status solver_step(struct solver *s, struct controller *controller, double end,
                                     struct sampler *sampler)
 {
@@ -194,7 +197,8 @@ static enum step_status solver_step(struct solver *s, struct controller *control
     return status;
 }
 
-/* Solves with adaptive steps to the end. Returns why it stopped. */
+/* Solves with adaptive steps to the end of the span. Returns the reason of the stop. Ctrl-C and the
+ * limit of work are checked every 64 steps. */
 static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
                               const struct cancel *cancel)
 {
@@ -217,8 +221,9 @@ static enum stop run_adaptive(struct solver *s, struct sampler *sampler,
 
 #define ROW_DOUBLES 1024 /* size of the states that a kernel stores in one call [double] */
 
-/* Makes `steps` steps by a kernel. `each` is the number of steps between two grid times, all of
- * which are ends of steps, or 0 without a grid. Returns why it stopped. */
+/* Makes `steps` fixed steps by a kernel, which makes many per call. `each` is the number of steps
+ * between two grid times, all of which are ends of steps, or 0 without a grid. Returns the reason
+ * of the stop. */
 static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struct sampler *sampler,
                             const struct cancel *cancel)
 {
@@ -244,7 +249,8 @@ static enum stop run_kernel(struct solver *s, int64_t steps, int64_t each, struc
     return STOP_END;
 }
 
-/* Solves with fixed steps and a last, shorter one. Returns why it stopped. */
+/* Solves with fixed steps and, unless the span is a multiple of dt, a last shorter one. Returns the
+ * reason of the stop. */
 static enum stop run_fixed(struct solver *s, struct sampler *sampler, const struct cancel *cancel)
 {
     const double ratio = fabs(s->span) / s->dt, t0 = s->system->t0, h = copysign(s->dt, s->span);
@@ -273,7 +279,9 @@ static enum stop run_fixed(struct solver *s, struct sampler *sampler, const stru
     return solver_stop(solver_step(s, NULL, 0, sampler));
 }
 
-/* Solves from the state y at t0 to the end of the span. Returns why it stopped. */
+/* Solves from the state solver->y at t0 to the end of the span; grid [STUDY_TIMES][n], unless NULL,
+ * receives states at equally spaced times, NAN where not reached. Returns the reason of the
+ * stop. */
 enum stop solver_run(struct solver *solver, double *grid, const struct cancel *cancel)
 {
     const int n = solver->system->n;

@@ -17,8 +17,8 @@ void scene_take_value(struct scene *scene, int i, double value)
     scene->value[i] = value;
 }
 
-/* Returns the derivative of the initial value of variable i by a parameter, or 0 if the parameter
- * changes anything else, too. */
+/* Returns the derivative of the initial value of variable i by a parameter, as a difference, or 0
+ * if the parameter changes anything else, too (terms, mass, t0 or other initial values). */
 static double start_slope(const struct scene *scene, const struct system *system, int param, int i)
 {
     struct scene other = *scene;
@@ -38,8 +38,8 @@ static double start_slope(const struct scene *scene, const struct system *system
     return (moved.start[i] - system->start[i]) / (other.value[param] - scene->value[param]);
 }
 
-/* Lets a scene start at a state where its own start cannot be bound. Returns false with an
- * error. */
+/* Lets a scene start at a state when its own start cannot be bound: takes the parameters' values
+ * that bind within a box of this one point. Returns false with an error. */
 static bool start_inside(struct scene *scene, const double *state, struct error *error)
 {
     struct scene moved = *scene;
@@ -54,7 +54,8 @@ static bool start_inside(struct scene *scene, const double *state, struct error 
     return true;
 }
 
-/* Sets the parameters that are initial values so that the scene starts at that state [n]. */
+/* Sets the parameters that are initial values so that the scene starts at that state [n]. Returns
+ * false with an error, with some parameters possibly set. */
 bool scene_start_at(struct scene *scene, const double *state, struct error *error)
 {
     const struct scene original = *scene;

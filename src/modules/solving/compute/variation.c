@@ -23,7 +23,8 @@ static const struct bound_term *term_of(const struct system *system, const struc
     return NULL;
 }
 
-/* Lists the terms in which the two systems differ. */
+/* Lists in d->change the terms that only one of the two systems has, or whose coefficients
+ * differ. */
 static void find_changes(const struct system side[2], struct parameter_change *d)
 {
     for (int s = 0; s < 2; s++) {
@@ -44,8 +45,9 @@ static void find_changes(const struct system side[2], struct parameter_change *d
     }
 }
 
-/* Binds the scene on both sides of a parameter's value and finds the changes. Returns false if it
- * cannot be bound. */
+/* Binds the scene on both sides of a parameter's value and finds what changes: terms, t0 and
+ * initial values. The difference is one-sided at a bound. Returns false if the scene cannot be
+ * bound. */
 static bool find_between(const struct scene *scene, int index, struct system side[2],
                          struct parameter_change *d)
 {
@@ -87,7 +89,8 @@ bool direction_find(const struct scene *scene, int index, struct parameter_chang
     return found;
 }
 
-/* Computes df/dp for one parameter, the difference of all changed terms. */
+/* Computes df/dp [n] for one parameter at (t, y) as the difference of all changed terms. Dry
+ * friction is taken with the sign v->dry of the motion. */
 static void slope_by_parameter(const struct variation *v, const struct parameter_change *d,
                                double t, const double *y, double *slope)
 {
@@ -122,7 +125,8 @@ static inline __attribute__((always_inline)) void add_product(int n, const doubl
     }
 }
 
-/* Computes S' for one direction. */
+/* Computes the derivative S' = (df/dy) S + df/dp of the sensitivity s [n] by one parameter in
+ * result [n]. Sizes 2 and 3 are spelled out so that their loops are unrolled. */
 static void variation_rate(const struct variation *v, const struct parameter_change *d, double t,
                            const double *y, const double *jacobian, const double *s, double *result)
 {
@@ -156,7 +160,8 @@ static const struct variation *variation_of(const double *c)
 
 #define BASE_MAX (LIMIT_VARIABLES / 2)
 
-/* Adds the derivatives of all variables of the whole system to a. */
+/* Adds the derivatives of all variables of the extended system to a: the base, its sensitivities,
+ * and with v->trace the trace of the Jacobian. c holds the address of the variation. */
 static void variation_add(const double *c, double t, const double *y, double *a)
 {
     const struct variation *v = variation_of(c);
@@ -216,8 +221,8 @@ static const struct term_row variation_row = {
     .add = variation_add,
     .jacobian = variation_jacobian};
 
-/* Makes the system of base and derivatives. The initial values of the derivatives are left to the
- * caller. */
+/* Makes the extended system of base and `directions` sensitivities, of first order. The caller sets
+ * the initial values of the sensitivities. */
 static void frame(struct variation *v, int directions)
 {
     const struct system *base = &v->base;
@@ -240,7 +245,8 @@ static void frame(struct variation *v, int directions)
     memcpy(v->whole.start, base->start, (size_t)base->n * sizeof *base->start);
 }
 
-/* Binds the scene with its derivatives by `count` parameters. */
+/* Binds the scene with its derivatives by the `count` parameters index[]. Returns false if the
+ * scene cannot be bound or if a derivative cannot be found. */
 bool variation_bind(struct variation *v, const struct scene *scene, const int *index, int count)
 {
     struct error ignored;
@@ -280,7 +286,8 @@ void variation_of_tangents(struct variation *v, const struct system *base, const
     }
 }
 
-/* Adds the derivative by one parameter, with a fixed initial state. */
+/* Adds the derivative by one more parameter, at a fixed initial state. Returns false if there are
+ * too many variables or if the derivative cannot be found. */
 bool variation_add_parameter(struct variation *v, const struct scene *scene, int index)
 {
     const int n = v->base.n;

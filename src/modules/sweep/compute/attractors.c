@@ -2,8 +2,8 @@
 /* Lists and describes the attractors that the numbers of measure=attractor denote. */
 #include "modules/sweep/compute/worker.h"
 
-/* Returns the entry of the attractor with that number, which is inserted if it is new, or NULL
- * without room. */
+/* Returns the entry of the attractor with that number. A new one is inserted in ascending order and
+ * *count increased; returns NULL if all SWEEP_ATTRACTORS entries are used. */
 static struct sweep_attractor *sweep_attractor_take(struct sweep_attractor *found, int *count,
                                                     double number)
 {
@@ -19,7 +19,9 @@ static struct sweep_attractor *sweep_attractor_take(struct sweep_attractor *foun
     return &found[k];
 }
 
-/* Lists the attractors among the values of a measure and finds each once more to describe it. */
+/* Lists the attractors among the values of measure number `measure` (attractors' numbers), with
+ * their counts and first points, and finds each once more at that point to describe it.
+ * found[k].known is false if that gives another attractor. Returns their number. */
 int sweep_attractors(const struct sweep_request *request, const struct sweep *sweep, int measure,
                      struct sweep_attractor found[SWEEP_ATTRACTORS])
 {

@@ -30,8 +30,9 @@ static double load_number(const void *context, int slot)
     return slot < SWEEP_SLOT_PARAM ? numbers->value[slot] : sweep_scene_value(numbers->scene, slot);
 }
 
-/* Fills in the values of a slot of run_scope() at all recorded rows. Returns false if an observable
- * cannot be computed. */
+/* Fills result with the values of a slot of run_scope() at all recorded rows. Slots are numbered:
+ * state variables, typed quantities, then observables. Returns false if an observable cannot be
+ * computed. */
 static bool slot_column(const struct run *run, int slot, double *result)
 {
     const size_t n = trace_count(run->trace);
@@ -49,7 +50,8 @@ static bool slot_column(const struct run *run, int slot, double *result)
     return true;
 }
 
-/* Evaluates the expression at all recorded rows into result. */
+/* Evaluates the expression at all recorded rows into result, with the scene's parameters. Returns
+ * false if out of memory or if an observable cannot be computed. */
 bool expression_column(const struct run *run, const struct sweep_expression *expression,
                        const struct scene *scene, double *result)
 {
@@ -79,7 +81,8 @@ static double load_measure(const void *context, int slot)
                : load_number(context, slot);
 }
 
-/* Computes the wanted columns of point i from its measures in worker->part. */
+/* Computes the shown columns of point i from its measures in worker->part: formulas, or copies of
+ * one measure (at request->place). Does nothing if measures are shown without formulas. */
 void sweep_combine(struct sweep_worker *worker, int64_t i)
 {
     const struct sweep_request *request = worker->job->request;

@@ -11,7 +11,9 @@
 /* A point with a larger state runs alone, as a run stops at the right step. */
 #define DIVERGENCE_MIN 1e100
 
-/* Makes the last, shorter step of a lane from y as a run does. Returns false if it fails. */
+/* Makes the last step of a lane, of length clock->rest, which is shorter than the others, from
+ * state y (in and out) as a run does. Adds its evaluations to *evals. Returns false if the step
+ * fails. */
 static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, int64_t *evals)
 {
     const struct system *system = &worker->system[lane];
@@ -28,7 +30,8 @@ static bool finish_lane(const struct sweep_worker *worker, int lane, double *y, 
     return ok;
 }
 
-/* Returns the value of a measure for a lane that has come to its end in state y. */
+/* Returns the value of a measure for a lane that has come to its end in state y after that many
+ * steps and evaluations, or NAN if the measure is not defined there. */
 static double lane_measure(const struct sweep_worker *worker, int lane,
                            const struct sweep_measure *measure, const double *y, int64_t steps,
                            int64_t evals)
@@ -74,8 +77,10 @@ static bool all_suspicious(const struct sweep_worker *worker)
     return true;
 }
 
-/* Computes lanes_turning_groups(); compiled for several vector instruction sets. Signs are compared
- * as bits. */
+/* Computes lanes_turning_groups(): bit g of the result is set if a velocity of group g, of
+ * TURN_GROUP lanes, has changed its sign between two rows. A row holds the positions of all lanes,
+ * then their velocities; the exclusive or of their sign bits is fast for vector instructions, and
+ * CLONES compiles for several sets of these. */
 CLONES static unsigned turning_groups(const double *previous, const double *row)
 {
     unsigned groups = 0;
@@ -141,8 +146,8 @@ static bool ends_after(const struct lane_clock *clock, int64_t steps)
     return clock->whole == steps && clock->rest == 0;
 }
 
-/* Watches the rows of a batch: extremes where a velocity has changed its sign, and integrals for
- * means. `previous` is the row before the batch. */
+/* Watches the rows of a batch of steps: notes extremes where a velocity has changed its sign, and
+ * adds up integrals for means. `previous` is the row before the batch. */
 static void watch_lanes(struct sweep_worker *worker, const double *previous,
                         const struct stretch_watch *stretch)
 {
@@ -200,8 +205,8 @@ static int64_t opening_step(const struct sweep_job *job, double t0, const struct
     return i < clock->whole ? i : clock->whole;
 }
 
-/* Prepares clocks and watches of all lanes before the first step. Unused lanes repeat the last used
- * one. */
+/* Prepares clocks and watches of all lanes before the first step, and the times in *stretch. Unused
+ * lanes repeat the last used one, so that lanes_march() needs no special case. */
 static void begin_watching(struct sweep_worker *worker, struct stretch_watch *stretch)
 {
     const struct sweep_job *job = worker->job;
@@ -225,8 +230,9 @@ static void begin_watching(struct sweep_worker *worker, struct stretch_watch *st
         watch_begin(&worker->watch[lane], worker->system[lane].start[0]);
 }
 
-/* Returns the number of steps after which, next after i, a lane ends or a window begins, or
- * INT64_MAX if none does. *open becomes true if a lane is in its window after step i. */
+/* Returns the number of steps, greater than i, at which the next lane ends or begins to be measured
+ * (its window opens), or INT64_MAX if none does. *open becomes true if a lane is in its window
+ * after step i. */
 static int64_t next_change(const struct sweep_worker *worker, int64_t i, bool *open)
 {
     int64_t next = INT64_MAX;
@@ -255,7 +261,8 @@ static void store_ends(struct sweep_worker *worker, int64_t i, bool all)
     }
 }
 
-/* Steps all lanes to their ends, and watches or stores states on the way. Stops early if all lanes
+/* Steps all lanes to their ends, and watches or stores states on the way; batches with watching are
+ * short, as their rows are stored. Stops early if the states of all lanes are so large that they
  * have to run alone. Returns false if cancelled. */
 static bool march_lanes(struct sweep_worker *worker)
 {
@@ -318,8 +325,8 @@ void sweep_measure_lane(struct sweep_worker *worker, int lane, const double *y, 
     worker->steps += (double)steps;
 }
 
-/* Completes the watch of a lane after its last, shorter step from `was` to y, or without such a
- * step. */
+/* Completes the watch of a lane at the end of its time. `was` is the state after the last equal
+ * step and y the state after the shorter step that follows; they are equal if there is none. */
 static void finish_watch(struct sweep_worker *worker, int lane, const double *was, const double *y)
 {
     const struct lane_clock *clock = &worker->clock[lane];
@@ -380,7 +387,8 @@ static int lanes_points_min(const struct sweep_worker *worker)
     return worker->job->adapts ? int_max(points, SWEEP_FEW_ADAPTIVE) : points;
 }
 
-/* Computes the points in the lanes. */
+/* Computes the points gathered in the lanes, then empties these. Points run alone if there are too
+ * few or if out of memory. */
 void sweep_flush(struct sweep_worker *worker)
 {
     const struct sweep_request *request = worker->job->request;
@@ -425,8 +433,8 @@ bool sweep_lanes_fit(const struct sweep_job *job, const struct system *system, e
                                                        request->settings.dt);
 }
 
-/* Sets the clock of a lane. Returns false if its steps are refused or too many for lanes; the point
- * then runs alone. */
+/* Sets *clock for a lane with steps of h [s]. Returns false if its steps are refused, or too many
+ * for lanes; the point then runs alone. */
 static bool set_clock(const struct sweep_worker *worker, const struct system *system, double h,
                       struct lane_clock *clock)
 {
@@ -445,7 +453,9 @@ static bool set_clock(const struct sweep_worker *worker, const struct system *sy
     return fits;
 }
 
-/* Adds point i to the lanes, and computes them if all are used. */
+/* Adds point i to the lanes, and computes them when all are used. The lanes are computed before
+ * that if point i needs other steps than theirs, and points that fit no lane run alone. A point
+ * that the scene or the method refuses is marked as refused. */
 void sweep_gather(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;

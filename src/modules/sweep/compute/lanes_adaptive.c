@@ -29,8 +29,9 @@ CLONES static void add_own_areas(const double *restrict previous, const double *
     }
 }
 
-/* Watches `count` rows of t, y, v after attempted steps: extremes, integrals, and windows that
- * begin. `previous` is the row before them. */
+/* Watches `count` rows after attempted steps, each with time, position and velocity of all lanes:
+ * extremes, integrals, and windows that begin. `previous` is the row before them. A rejected step
+ * repeats the row of its lane. */
 static void watch_attempts(struct sweep_worker *worker, const double *previous, int64_t count,
                            struct adaptive_watch *adaptive)
 {
@@ -55,7 +56,8 @@ static void watch_attempts(struct sweep_worker *worker, const double *previous, 
     }
 }
 
-/* Steps and watches all lanes until they have ended. Returns false if cancelled. */
+/* Steps and watches all lanes, each with steps and tolerance of its own, until they have ended.
+ * Returns false if cancelled. */
 static bool march_adaptive(struct sweep_worker *worker, struct adaptive_watch *adaptive)
 {
     const struct sweep_job *job = worker->job;

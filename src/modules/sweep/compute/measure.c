@@ -9,7 +9,9 @@
 
 /* ---- axes ---- */
 
-/* Finds what `name` varies in the scene and fills in the axis. */
+/* Finds what `name` varies in the scene: dt, tol, a parameter, or a derived quantity that can be
+ * set. Fills in target, index, quantity and name of the axis. Returns false if it varies
+ * nothing. */
 bool sweep_axis_find(const struct scene *scene, struct text name, struct sweep_axis *axis)
 {
     const struct catalog *params = scene_params(scene), *derived = scene_derived(scene);
@@ -77,7 +79,8 @@ static const struct row rows[] = {
 const struct catalog sweep_measure_catalog = CATALOG("measure", rows);
 
 /* Finds a quantity of a run that is evaluated at each row: a variable, a typed quantity or an
- * observable. Returns false if there is none of this name. */
+ * observable, in this order. Sets column and its index or observable in *measure. Returns false if
+ * there is none of this name. */
 static bool measured_column_find(const struct model *model, struct text name,
                                  struct sweep_measure *measure)
 {
@@ -94,8 +97,8 @@ static bool measured_column_find(const struct model *model, struct text name,
     return measure->observable;
 }
 
-/* Sets the error for an unknown measure, or column in parentheses if `column`, with similar names
- * as a hint. Returns false. */
+/* Sets the error for an unknown measure, with similar names as a hint. `column` means that name was
+ * in the parentheses of a measure, as in max(z). Returns false. */
 static bool refuse_unknown_measure(const struct model *model, struct text name, bool column,
                                    struct error *error)
 {
@@ -134,7 +137,9 @@ static bool split_watched(struct text name, const struct row **row, struct text 
     return true;
 }
 
-/* Finds a measure by its name: of the catalog, a variable, quantity or observable, or max(z). */
+/* Finds a measure by its name: one of the catalog, a variable, quantity or observable at the end of
+ * the run, or a reduction of one of these, as in max(z). Fills in *measure. Returns false with an
+ * error. */
 bool sweep_measure_find(const struct model *model, struct text name, struct sweep_measure *measure,
                         struct error *error)
 {
@@ -181,7 +186,7 @@ const char *sweep_measure_name(const struct sweep_measure *measure)
     return measure->name[0] ? measure->name : rows[measure->kind].name;
 }
 
-/* Returns the quantity of the measure's values. */
+/* Returns the physical quantity of the measure's values, from which their unit follows. */
 enum quantity sweep_measure_quantity(const struct sweep_measure *measure, const struct model *model)
 {
     const struct system system = {.model = model, .n = model->n, .order = model->order};

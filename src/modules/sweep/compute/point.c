@@ -21,7 +21,8 @@ void sweep_common(const struct sweep_request *request, struct scene *scene,
         settings->kernel = KERNEL_SPECIALISED;
 }
 
-/* Allocates the memory of a worker. */
+/* Allocates the memory of a worker, that of lanes and of stored steps only if the job needs them.
+ * Returns false if out of memory; nothing is allocated then. */
 bool sweep_worker_init(struct sweep_worker *worker, struct sweep_job *job)
 {
     *worker = (struct sweep_worker){.job = job, .refused = -1};
@@ -77,7 +78,8 @@ static bool set_axis(const struct sweep_axis *axis, double value, struct scene *
     return false;
 }
 
-/* Sets the swept quantities in `scene` and `settings` to those of point i. */
+/* Sets the swept quantities in `scene` and `settings` to those of point i, counted from the first
+ * point of this sweep. Returns false with an error if a value is refused. */
 bool sweep_point(const struct sweep_request *request, const struct sweep *sweep, int64_t i,
                  struct scene *scene, struct run_settings *settings, struct error *error)
 {
@@ -129,7 +131,8 @@ double sweep_measured(const struct sweep_measure *measure, const struct system *
     }
 }
 
-/* Returns the value of a measure at the end of a run. */
+/* Returns the value of a measure at the end of a run. Amplitudes, means and extremes are taken from
+ * the time `opens` [s] on. */
 static double run_measure(const struct run *run, const struct sweep_measure *measure,
                           const struct scene *scene, double opens)
 {
@@ -199,7 +202,8 @@ static bool needs_work(const struct sweep_job *job)
     return needed;
 }
 
-/* Creates the run of point i. Returns NULL if it is refused. */
+/* Creates the run of point i, which records all rows only if a measure needs them. Returns NULL if
+ * the run is refused, and marks the point as refused. */
 struct run *sweep_run(struct sweep_worker *worker, int64_t i)
 {
     struct sweep_job *job = worker->job;
@@ -219,7 +223,8 @@ struct run *sweep_run(struct sweep_worker *worker, int64_t i)
     return run;
 }
 
-/* Advances the run to its end, measures it as point i and destroys it. */
+/* Advances the run to its end, stores its measures as the results of point i and destroys it.
+ * `evals` replaces the counted evaluations unless negative, as for steps that lanes have made. */
 void sweep_measure_run(struct sweep_worker *worker, int64_t i, struct run *run, int64_t evals)
 {
     struct sweep_job *job = worker->job;
@@ -261,7 +266,8 @@ void sweep_alone(struct sweep_worker *worker, int64_t i)
         sweep_measure_run(worker, i, run, -1);
 }
 
-/* Computes the missing points of the task at that line and block. Returns how many. */
+/* Computes the missing points of a task: `block` of at most job->width points along the axis of
+ * lanes, in `line` of the other axis. Returns the number of points. */
 int64_t sweep_task(struct sweep_worker *worker, int64_t line, int64_t block)
 {
     int64_t computed = 0;

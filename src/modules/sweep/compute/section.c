@@ -70,8 +70,8 @@ static int own_slot(void *context, int slot)
     return slot < SWEEP_SLOT_PARAM ? slot : -1;
 }
 
-/* Compiles the event with the parameters of the point as numbers. Returns false if out of
- * memory. */
+/* Compiles the section's event for one point, with the point's parameters as numbers. Returns false
+ * if out of memory. */
 static bool crossings_settle(struct sweep_worker *worker, struct crossings *crossings)
 {
     struct point_names names = {.scene = &worker->scene};
@@ -90,7 +90,9 @@ static bool crossings_settle(struct sweep_worker *worker, struct crossings *cros
 
 /* ---- one point ---- */
 
-/* Creates the run of point i and compiles its event. */
+/* Creates the run of point i in *crossings and compiles its event; at a strobe (once per period of
+ * the drive) the run records a row per period instead. Returns false if the point is refused, and
+ * marks it. */
 bool crossings_begin(struct sweep_worker *worker, int64_t i, struct crossings *crossings)
 {
     const struct sweep_request *request = worker->job->request;
@@ -133,8 +135,8 @@ bool crossings_end(const struct sweep_request *request, const struct run *run, i
                               : (double)steps > ceil(request->duration / run->settings.dt);
 }
 
-/* Returns the number of events before the first interval without one that is as long as the
- * duration. */
+/* Returns the number of events before the first interval without one that is as long as the run's
+ * duration, after which the search ended. */
 static int64_t events_of(const struct sweep_request *request, const struct run *run)
 {
     const int64_t count = (int64_t)run_event_records(run);
@@ -177,8 +179,8 @@ static double reduce_angle(const struct crossings *crossings, int variable, doub
     return crossings->angle[variable] ? remainder(value, TWO_PI) : value;
 }
 
-/* Gets time and state of event `index`, or of the strobe after `period` periods, with angles
- * reduced to one turn. Returns false if the strobe's row does not exist. */
+/* Gets time *t [s] and state y of event `index`, or at a strobe after `period` periods, with angles
+ * reduced to one turn. Returns false if the strobe has no row at that time. */
 static bool state_at(const struct crossings *crossings, int64_t index, int64_t period, double *t,
                      double *y)
 {
@@ -197,7 +199,8 @@ static bool state_at(const struct crossings *crossings, int64_t index, int64_t p
     return true;
 }
 
-/* Returns true if every state equals the one that is `apart` events later. */
+/* Returns true if each of the `count` states equals the one `apart` events later, within
+ * STATE_DISTANCE_MAX of the variables' sizes; that is, if the orbit is periodic. */
 static bool states_repeat(const struct crossings *crossings, const double *state, int64_t count,
                           int64_t apart)
 {
@@ -249,7 +252,9 @@ static double count_repeats(const struct crossings *crossings, const double *sta
     return NAN;
 }
 
-/* Stores events of the run as results of point i, from its record `first` on. */
+/* Stores the events of the run from number `first` up to `count`, at most section->keep, as results
+ * of point i: the number of events after which the states repeat (NAN if they do not), then for
+ * each event its time and measures. */
 void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossings *crossings,
                     int64_t first, int64_t count)
 {
@@ -273,7 +278,8 @@ void crossings_take(struct sweep_worker *worker, int64_t i, const struct crossin
     worker->failed |= !state;
 }
 
-/* Advances the run to the last wanted event, or until none comes for as long as the duration. */
+/* Advances the run to the last wanted event (skip + keep), or until no event has come for as long
+ * as the duration. Returns early if the run fails or is cancelled. */
 static void advance_events(const struct sweep_request *request, struct crossings *crossings)
 {
     const size_t wanted = (size_t)(request->section.skip + request->section.keep);
@@ -296,7 +302,8 @@ static void advance_events(const struct sweep_request *request, struct crossings
     }
 }
 
-/* Computes point i at the section by a run of its own. */
+/* Computes point i at the section by a run of its own, without lanes. The strobe's run lasts half a
+ * period longer than needed, so that rounding does not omit its last row. */
 void section_alone(struct sweep_worker *worker, int64_t i)
 {
     const struct sweep_request *request = worker->job->request;

@@ -69,8 +69,8 @@ static double lane_value(const struct crossings *p, const double *row, int lane)
     return p->right ? left - expr_value(p->right, &scope) : left;
 }
 
-/* Returns true if the event's value is linear in the state for all lanes, and stores its
- * coefficients. */
+/* Returns true if the event's value is linear in the state for all `used` lanes of n variables, and
+ * stores its offset and slopes, found at the origin and at unit states. */
 static bool is_linear(struct section *s, int n, int used)
 {
     double unit[LIMIT_VARIABLES * LANE_COUNT] = {0};
@@ -91,7 +91,8 @@ static bool is_linear(struct section *s, int n, int used)
     return true;
 }
 
-/* Computes the event's value for all lanes at the states of a row. */
+/* Computes the event's value for each lane at the states of a row, row[variable][lane]. `linear`
+ * uses the coefficients of is_linear(), which is faster. */
 static void fill_values(const struct section *s, bool linear, int n, int used, const double *row,
                         double *value)
 {
@@ -109,8 +110,8 @@ static void fill_values(const struct section *s, bool linear, int n, int used, c
 
 /* ---- steps ---- */
 
-/* Makes `count` steps and stores the states after them in rows 1 to count; row 0 holds the present
- * ones. */
+/* Makes `count` steps and stores the states after them in rows 1 to count of section->state; row 0
+ * holds the states before them. */
 static void march_states(struct sweep_worker *worker, int64_t count)
 {
     const int n = worker->system[0].n;
@@ -131,8 +132,8 @@ static void march_states(struct sweep_worker *worker, int64_t count)
     }
 }
 
-/* Repeats the step after number `step`, which begins in state y, by the run of the point. Returns
- * false if the run has not seen the event in it. */
+/* Repeats step number step + 1, which begins in state y, by the point's run, which locates the
+ * event within the step. Returns false if the run sees no event there. */
 static bool repeat_step(const struct sweep_worker *worker, struct crossings *p, int64_t step,
                         const double *y)
 {
@@ -173,7 +174,9 @@ static bool strobe_lane(const struct sweep_worker *worker, struct crossings *p, 
     return crossings_strobed(p, row, period);
 }
 
-/* Handles the lanes whose period ends in the step after number `step`. */
+/* Handles the lanes whose drive period ends within the step after number `step`: stores the state
+ * at the end of the period and finds the step of the next one. Marks lanes that are finished or
+ * have to run alone. */
 static void strobe_lanes(struct sweep_worker *worker, int64_t step)
 {
     const struct sweep_section *section = &worker->job->request->section;
@@ -190,8 +193,8 @@ static void strobe_lanes(struct sweep_worker *worker, int64_t step)
     }
 }
 
-/* Steps all lanes from strobe to strobe until they are finished, or have to run alone, or
- * cancelled. */
+/* Steps all lanes from one end of a drive period to the next, until all are finished or have to run
+ * alone, or until cancelled. Marches are limited to 16 batches, so that Ctrl-C is seen. */
 static void march_strobe(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;
@@ -225,8 +228,10 @@ static bool may_graze(double a, double b, double c)
     return !((b - slope * slope / (2 * bend)) / b > GRAZE_FRACTION);
 }
 
-/* Examines a step of a lane for an event. `value` are those before the previous step, at the begin
- * of the step and at its end; `row` has the states at its begin. */
+/* Examines a step of a lane for an event. value[0..2] are the event's values before the previous
+ * step, at the begin of this step and at its end; `row` has the states at its begin. A value that
+ * is 0, not finite, too close to 0 or possibly touching 0 is uncertain, and the lane then runs
+ * alone. */
 static void examine_step(struct sweep_worker *worker, int lane, int64_t step, const double *row,
                          const double value[3])
 {
@@ -252,8 +257,9 @@ static void examine_step(struct sweep_worker *worker, int lane, int64_t step, co
     p->done = p->alone || p->seen == section->skip + section->keep;
 }
 
-/* Examines `count` steps from number `first` on, between the count + 1 rows of states; the last row
- * then becomes the first. Returns true if a lane is not finished. */
+/* Examines `count` steps from number `first` on, between count + 1 rows of states; the last row
+ * then becomes row 0. `linear` is the result of is_linear(). Returns true if a lane is not
+ * finished. */
 static bool examine_rows(struct sweep_worker *worker, bool linear, int64_t first, int64_t count)
 {
     struct section *s = worker->section;
@@ -275,8 +281,8 @@ static bool examine_rows(struct sweep_worker *worker, bool linear, int64_t first
     return more;
 }
 
-/* Steps all lanes and examines their states, until they are finished, or have to run alone, or
- * cancelled. */
+/* Steps all lanes and examines their states for events, until all are finished or have to run
+ * alone, or until cancelled. */
 static void march_events(struct sweep_worker *worker)
 {
     struct section *s = worker->section;
@@ -309,7 +315,8 @@ static void finish_lane(struct sweep_worker *worker, int lane)
     worker->steps += (double)(section->strobe ? p->step : p->last);
 }
 
-/* Computes the points in the lanes at the section; those with uncertain events run alone. */
+/* Computes the points in the lanes at the section. Points with uncertain events, and all if the
+ * method carries data from step to step, run alone. */
 void section_march(struct sweep_worker *worker)
 {
     struct section *s = worker->section;

@@ -60,7 +60,9 @@ static int64_t shard_begin(const struct sweep_request *request, int64_t total, i
     return begin * cell < total ? begin * cell : total;
 }
 
-/* Sets axes, total, first and count of the sweep to the points that the request asks for. */
+/* Sets axes, number of results per point, total, first and count of the sweep to the points that
+ * the request asks for: all, those of its shard, or request->count points from request->first on.
+ * Results are not allocated. */
 void study_sweep_stretch(const struct sweep_request *request, struct sweep *sweep)
 {
     const struct sweep_section *section = &request->section;
@@ -110,7 +112,8 @@ static bool results_create(struct sweep *sweep, const struct cancel *cancel, str
     return true;
 }
 
-/* Copies the points that are finished in `previous`. */
+/* Copies status and results of the points that are finished in `previous`, whose first point may be
+ * another one. */
 static void copy_finished(const struct sweep *previous, struct sweep *sweep)
 {
     const int64_t shift = sweep->first - previous->first;
@@ -190,8 +193,8 @@ static int thread_count(const struct sweep_request *request, int64_t tasks)
     return parallel_threads(&(struct parallel){.threads = request->threads}, tasks);
 }
 
-/* Returns true if a point can run in lanes, tried at begin, middle and end of the sweep, as one at
- * an end may lack a force (F0 = 0) that all others have. */
+/* Returns true if points can run in lanes. Tries one at the begin, middle and end of the sweep, as
+ * a point at an end may lack a force (F0 = 0) that all others have. */
 static bool can_use_lanes(const struct sweep_job *job)
 {
     const struct sweep_request *request = job->request;
@@ -211,8 +214,8 @@ static bool can_use_lanes(const struct sweep_job *job)
     return go;
 }
 
-/* Divides the points of this sweep into tasks: chooses the axis of lanes and sets lines, blocks and
- * width. */
+/* Divides the points of this sweep into tasks: chooses the axis along which points share lanes, and
+ * sets the numbers of lines and blocks and the points per block (width). */
 static void divide_tasks(struct sweep_job *job)
 {
     const struct sweep_request *request = job->request;
@@ -242,8 +245,9 @@ static void divide_tasks(struct sweep_job *job)
     job->blocks = last_column / job->width - job->block + 1;
 }
 
-/* Decides whether points run in lanes and how their measures are obtained there: watched, or
- * replayed to runs. Also plans one point in *plan. */
+/* Decides whether points run in lanes and how their measures are obtained there: watched while
+ * stepping, or replayed to runs. Plans one point in *plan; its numbers are NAN if it cannot be
+ * planned. */
 static void choose_lanes(struct sweep_job *job, struct plan *plan)
 {
     const struct sweep_request *request = job->request;
@@ -307,8 +311,8 @@ static void report_points(void *context, double fraction)
                                                 (double)(job->missing > 0 ? job->missing : 1));
 }
 
-/* Adds up the counts of all workers and of the statuses, and finds the reason of the first refused
- * point. */
+/* Adds up the counts of `count` workers and of the points' statuses, and finds the reason of the
+ * first refused point. */
 static void sum_results(struct sweep *sweep, const struct sweep_worker *all, int count)
 {
     int64_t refused = -1;
@@ -330,8 +334,8 @@ static void sum_results(struct sweep *sweep, const struct sweep_worker *all, int
     }
 }
 
-/* Computes all tasks with as many threads as have memory. Returns false with an error if there is
- * memory for none. */
+/* Computes all tasks with as many threads as wanted, or as there is memory for. Returns false with
+ * an error if there is memory for none. */
 static bool run_workers(struct sweep_job *job, struct error *error)
 {
     const struct sweep_request *request = job->request;
@@ -411,7 +415,8 @@ static double steps_factor(const struct sweep_request *request)
     return more;
 }
 
-/* Estimates the number of steps and the computing time [s] of all points. */
+/* Estimates the number of steps and the computing time [s] of all points of the request. Both are
+ * NAN if its first point cannot be planned. */
 void study_sweep_predict(const struct sweep_request *request, double *steps, double *seconds)
 {
     struct sweep sweep;
@@ -452,7 +457,9 @@ int64_t study_sweep_batch(const struct sweep_request *request)
     return rows && LANE_COUNT * last <= BATCH_MOST ? LANE_COUNT * last : LANE_COUNT * threads;
 }
 
-/* Computes the sweep. */
+/* Computes the sweep into *sweep, which the caller frees also on failure. Returns false with an
+ * error if out of memory, if stopped before all points are finished, or if every point was
+ * refused. */
 bool study_sweep(const struct sweep_request *request, struct sweep *sweep, struct error *error)
 {
     const int64_t begin = clock_ns();

@@ -24,7 +24,9 @@ static double hermite_value(double h, double y0, double v0, double y1, double v1
            theta * rest * ((1 - 2 * theta) * -rise + rest * h * v0 - theta * h * v1);
 }
 
-/* Takes note of an extreme between two states whose velocities have different signs. */
+/* Records an extreme between the states (t0, y0) and (t1, y1), whose velocities v0 and v1 have
+ * different signs: a minimum if v0 is negative, otherwise a maximum. Time and value are
+ * interpolated. */
 void watch_turn(struct extremes *watch, double t0, double y0, double v0, double t1, double y1,
                 double v1)
 {
@@ -54,7 +56,8 @@ void watch_end(struct extremes *watch, double y)
     watch->high = y > watch->high ? y : watch->high;
 }
 
-/* Returns what was measured, or NAN if too little was seen. */
+/* Returns the watched measure of that kind, or NAN if too little was seen (for a period, less than
+ * two maxima). */
 double watch_value(const struct extremes *watch, enum sweep_kind kind)
 {
     switch (kind) {
@@ -104,8 +107,9 @@ static double column_speed(const struct trace *trace, const double *column, size
     return (rise * right_step + next * left_step) / (left_step + right_step);
 }
 
-/* Sets *column, which the caller frees, to the watched values at all rows, or to NULL if they are a
- * state variable. Returns false if they cannot be computed or if out of memory. */
+/* Sets *column, which the caller frees also on failure, to the watched values at all rows, or to
+ * NULL if the measure is a state variable. Returns false if they cannot be computed or if out of
+ * memory. */
 static bool make_column(const struct run *run, const struct sweep_measure *measure,
                         const struct scene *scene, double **column)
 {
@@ -124,7 +128,8 @@ static bool make_column(const struct run *run, const struct sweep_measure *measu
     return true;
 }
 
-/* Measures a recorded run, from the time `opens` [s] on. */
+/* Returns the measure of a recorded run. Amplitude, period and mean are taken from the time `opens`
+ * [s] on, minima and maxima over the whole run. Returns NAN if too little was seen. */
 double watch_run(const struct run *run, const struct sweep_measure *measure,
                  const struct scene *scene, double opens)
 {
