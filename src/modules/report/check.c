@@ -20,8 +20,9 @@
 /* Longest part of a line that a difference quotes: a page holds figures of many kilobytes. */
 enum { QUOTE_MAX_BYTES = 160 };
 
-/* Cuts the detail at QUOTE_MAX_BYTES and makes it safe to print; adds a line and, but in CSV, an
- * object to the list of differences. */
+/* Reports a difference in `file` of the checked folder: `what` differs, with a detail (cut at
+ * QUOTE_MAX_BYTES and made safe to print). Adds a line and, except in CSV, an object to the list of
+ * differences. */
 void check_differs(struct check *check, const char *file, const char *what, struct text detail)
 {
     struct reply *reply = check->reply;
@@ -108,8 +109,9 @@ static bool ends_in(const char *name, const char *end)
     return n >= m && strcmp(name + n - m, end) == 0;
 }
 
-/* Reads a regular file of the folder: a pipe could keep its reader waiting. Returns NULL, or why it
- * was not read; error says more if reading failed. */
+/* Reads the file `name` of the folder into content, unless it is not a regular file, as a pipe
+ * could keep its reader waiting. Returns NULL, or the reason why it was not read; *error is set
+ * only if reading failed. */
 static const char *read_regular(const struct check *check, const char *name, struct buffer *content,
                                 struct error *error)
 {
@@ -150,8 +152,9 @@ static bool is_handed(const struct check *check, const char *name)
     return found;
 }
 
-/* Compares one file that the session gives (`repeated`) with that of the folder, and counts
- * differences by kind. It is report->put of the repeated report; always returns true. */
+/* Compares the file `name` that the repeated session gives with that of the folder, and counts
+ * differences by kind. `context` is the struct check. It is report->put of the repeated report;
+ * always returns true. */
 static bool compare_file(void *context, const char *name, struct text repeated, struct error *error)
 {
     struct check *check = context;
@@ -229,8 +232,8 @@ static const char *run_session_file(struct check *check, struct session *session
     return why;
 }
 
-/* Tells the user if a recording was read from the folder, because the file that it was loaded from
- * is missing or has another checksum. Returns true if so. */
+/* Tells the user if a recording of the session was read from the folder, because the file that it
+ * was loaded from is missing or has another checksum. Returns true if so. */
 static bool report_taken(struct check *check, int index)
 {
     const struct session *session = check->report.session;
@@ -420,7 +423,10 @@ static struct checked *copy_folders(struct arena *arena, const char *const *fold
     return checked;
 }
 
-/* Each folder gets a new session, so that none sees the runs of another. */
+/* Checks `folders` reports that were handed in, each in a new session, so that none sees the runs
+ * of another, and replies with the differences. Returns the exit status: 0 if all agree; for one
+ * folder ERROR_COMMAND or ERROR_USAGE; for several the number of those that differ, at most
+ * CHECK_STATUS_MAX; ERROR_COMMAND if stopped. */
 int hand_ins_check(struct session *session, const char *const *folder, int folders,
                    struct reply *reply)
 {

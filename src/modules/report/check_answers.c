@@ -65,8 +65,10 @@ static void count_answer(struct check *check, struct text question, bool written
                       question.data);
 }
 
-/* Lines between "Answer:" and the next heading belong to the answer; they, the name and the date
- * are left out of the checksum. */
+/* Reads from report.md (`report`) and report.html (`page`), empty if missing, the name, the number
+ * of answers and those that are empty, and a checksum of all else into *check. Lines between
+ * "Answer:" and the next heading belong to the answer; they, the name and the date are left out of
+ * the checksum. */
 void check_answers(struct check *check, struct text report, struct text page)
 {
     static const struct text name = {"Name:", 5}, date = {"Date:", 5}, answer = {"Answer:", 7};

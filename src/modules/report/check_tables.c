@@ -125,7 +125,8 @@ static void report_unmatched(struct check *check, const struct values *values, s
     buffer_free(&detail);
 }
 
-/* Compares rows that both tables have, and reports those that only one has. */
+/* Compares the values.csv of the folder with that of the session: reports rows whose values
+ * disagree and rows that only one of both has. */
 void check_values(struct check *check, struct text handed_text, struct text repeated_text)
 {
     struct table handed_table = {0}, repeated_table = {0};
@@ -230,7 +231,8 @@ static void checked_cell_put(const struct table_column *column, size_t row, stru
         buffer_put(text, text_of(column->text[row]));
 }
 
-/* Reports the differing cell with the largest relative difference, and how many differ. */
+/* Reports the cell with the largest relative difference, which is in *found, and the number of
+ * cells that differ. */
 static void report_data_difference(struct check *check, const char *file,
                                    const struct table *handed, const struct table *repeated,
                                    const struct data_difference *found)
@@ -247,7 +249,8 @@ static void report_data_difference(struct check *check, const char *file,
     buffer_free(&detail);
 }
 
-/* Tables of different shape are reported as a whole, others by their largest difference. */
+/* Compares a table of the folder with that of the session. Tables of different shape are reported
+ * as a whole, others by their largest difference beyond the tolerance. */
 void check_data(struct check *check, const char *file, struct text handed_text,
                 struct text repeated_text)
 {

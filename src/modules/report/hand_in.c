@@ -69,8 +69,9 @@ static void put_report_end(struct report *report, const struct buffer *script)
     document_end(document);
 }
 
-/* The script is made first, because values refer to its lines; figures are written by the sections,
- * and tables after them, as they hold what the figures show. */
+/* Writes all files of the report by report->put or into its folder. The script is made first,
+ * because values refer to its lines; figures are written by the sections, and tables after them, as
+ * they contain what the figures show. Returns false with an error. */
 bool report_write(struct report *report, struct error *error)
 {
     struct document *document = &report->document;
@@ -111,7 +112,8 @@ static void say_missing(void *context, const char *what, const char *type)
     buffer_free(&text);
 }
 
-/* Reports what was written, what the report lacks, and whether PDF figures failed. */
+/* Replies with what was written, what the report lacks, and whether PDF figures failed. `path` is
+ * the folder as given, folder->text the same as typed. */
 static void hand_in_reply(const struct report *report, const struct item *folder, const char *path,
                           struct reply *reply)
 {

@@ -44,8 +44,9 @@ static void say_step(const struct session *session, struct reply *reply)
     buffer_free(&command);
 }
 
-/* Makes `step` the current one, writes its recording if it needs one, and prints it. Notes where in
- * the log the previous step was left if the lesson moves forward. */
+/* Makes `step` the current one, writes its recording if it needs one, and prints it. If the lesson
+ * moves forward, stores in lesson->passed where in the log the previous step ended. Returns false
+ * with *error. */
 static bool go_to_step(struct session *session, int step, struct reply *reply, struct error *error)
 {
     struct lesson *lesson = session_lesson(session);

@@ -28,8 +28,9 @@ static bool is_own_recording(const struct session *session)
            !(lesson_generated(recording, &seed, &is_disk) && seed == lesson->seed);
 }
 
-/* Places the readings in the middle of the first half of six equal parts. Without a recording the
- * length is that of the lesson's own, 120 s. */
+/* Appends the six times [s] at which amplitudes are to be read, one in the first half of each of
+ * six equal parts of the recording, rounded down to what one would read. Without a recording the
+ * length is that of the lesson's generated one, 120 s. */
 void lesson_readings(const struct recording *recording, struct buffer *output)
 {
     double t_begin = 0, span = 120; /* [s] of the lesson's own recording */
@@ -48,7 +49,9 @@ void lesson_readings(const struct recording *recording, struct buffer *output)
                           unit);
 }
 
-/* Replaces masses, readings, window and span; other text is copied. */
+/* Appends the text with $bare_mass, $disk_mass, $readings, $window and $span replaced by their
+ * values. In a command (is_command) the mass becomes UNKNOWN_MASS if the recording is the
+ * student's, who alone knows it. */
 void lesson_expand(const struct session *session, struct text text, bool is_command,
                    struct buffer *output)
 {
@@ -163,7 +166,8 @@ static bool is_adopted(struct text name)
     return false;
 }
 
-/* Returns 0 if no earlier step sets the name. */
+/* Returns the position in the log after which `name` must be set anew for the present step: where
+ * the last earlier step that sets it ended, or 0 if no earlier step sets the name. */
 size_t lesson_set_since(const struct session *session, struct text name)
 {
     const struct lesson *lesson = session_lesson(session);
@@ -226,7 +230,9 @@ static void put_typed_again(const struct session *session,
     }
 }
 
-/* Appends nothing if a statement needs a mass that only the student knows. */
+/* Appends those statements of a command that have not been executed since position `begun` of the
+ * log. typed_since gives the position after which an assignment counts. Appends nothing if a
+ * statement needs a mass that only the student knows. */
 void lesson_remaining(const struct session *session, struct text command, size_t begun,
                       size_t (*typed_since)(const struct session *session, struct text name),
                       struct buffer *output)

@@ -52,7 +52,8 @@ static void true_parameters(long seed, double value[TRUTHS])
 }
 
 /* Appends a generated recording as a sensor would write it: 10 ms apart, with Gaussian noise of
- * 0.02 cm; 10 s of the bare mass, 120 s of the mass with the disk. */
+ * 0.02 cm; 10 s of the bare mass, or 120 s of the mass with the disk. `seed` chooses the true
+ * parameters and the noise. */
 static void put_generated_recording(long seed, bool disk, struct buffer *output)
 {
     double v[TRUTHS];
@@ -115,7 +116,9 @@ static void put_expanded(struct text text, long seed, struct buffer *output)
     }
 }
 
-/* Recordings (#@) stand before the step that they belong to. */
+/* Reads step `number`, counted from 0, of the lesson into *step. Its lines begin with #: (text), #>
+ * (command), #! (hint), #? (condition); a recording, #@, is named before the step to which it
+ * belongs. Returns false if there is no such step. */
 bool lesson_step(const struct lesson *lesson, int number, struct lesson_step *step)
 {
     struct text rest = buffer_text(&lesson->text), line;
@@ -213,7 +216,8 @@ static size_t measured_since(const struct session *session, const struct lesson_
     return by_scene ? size_max(last_change, last_undo(session)) : last_change;
 }
 
-/* Searches measurements from the latest to the first. */
+/* Finds the value that the step asks for: the latest measurement that is recent enough, or a value
+ * of the scene by its name. Returns false if it has not been measured. */
 bool lesson_found(const struct session *session, const struct lesson_step *step,
                   struct named_value *value)
 {
@@ -232,7 +236,8 @@ bool lesson_found(const struct session *session, const struct lesson_step *step,
     return false;
 }
 
-/* A file with the same content is left alone. */
+/* Writes the generated recording that the current step needs, if it needs one, to the current
+ * folder. A file with the same content is not written again. Returns false with *error. */
 bool lesson_files(struct session *session, struct reply *reply, struct error *error)
 {
     struct lesson_step step;
@@ -295,7 +300,9 @@ static bool check_lines(struct text rest, struct error *error)
     return true;
 }
 
-/* Files are made safe to print; an open lesson is replaced only if the new one is right. */
+/* Opens the lesson of that name, or from a file, with numbers chosen by `seed`. The text of a file
+ * is made safe to print; an open lesson is replaced only if the new one has no error. Returns false
+ * with *error. */
 bool lesson_open(struct session *session, struct text name, long seed, const struct arguments *args,
                  struct error *error)
 {
@@ -364,7 +371,8 @@ void lesson_put(const void *part, struct buffer *output)
     field_end(output, begun);
 }
 
-/* Checks the numbers, since the file may have been edited. */
+/* Restores the lesson from a session file. Checks its numbers, since the file may have been edited;
+ * a lesson with wrong ones is left out with a note. */
 void lesson_read(struct reader *reader)
 {
     struct text stored, text;

@@ -170,8 +170,8 @@ static size_t loaded_since(const struct session *session, struct text name)
     return session->recording[session->current_recording]->statement;
 }
 
-/* Suggests the first thing that has not been done yet with the recording, in the order of the lab
- * sheet. */
+/* Appends the first command of the lab sheet that has not been executed with the recording:
+ * measure, fit, adopt, run, plots, and a comparison of methods or the report. */
 static void put_due(const struct lab *lab, struct buffer *line)
 {
     const struct session *session = lab->session;
@@ -193,7 +193,8 @@ static void put_due(const struct lab *lab, struct buffer *line)
         buffer_put(line, TEXT("report " REPORT_FOLDER));
 }
 
-/* A lesson has precedence over the recording. */
+/* Suggests in *line the next command: what remains of the current step of a lesson, otherwise the
+ * next step with the recording. Returns false if there is nothing to suggest. */
 bool report_next(const struct session *session, struct buffer *line)
 {
     const struct lesson *lesson = session_lesson(session);

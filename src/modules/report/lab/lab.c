@@ -87,8 +87,9 @@ static struct measured decay_time(struct measured gamma)
     return measured_reciprocal(2, gamma, &least);
 }
 
-/* Adds the result of one `measure` statement. A decay becomes the damping rate gamma and, unless it
- * is that of the energy, the 1/e time of the amplitude, too. */
+/* Adds the result m of one `measure` statement to the report's values. A decay becomes the damping
+ * rate gamma and, unless it is that of the energy, also tau = 2/gamma, the time in which the
+ * amplitude falls to 1/e. */
 static void add_measurement(struct report *report, const struct measurement *m)
 {
     const bool decay = strcmp(m->quantity, "decay") == 0;
@@ -104,7 +105,8 @@ static void add_measurement(struct report *report, const struct measurement *m)
                                                        m->statement, NULL});
 }
 
-/* Adds the values of a stored fit. `source` names the fit and its window, and is kept. */
+/* Adds the values of a stored fit to the report's values. `source` names the fit and its window; it
+ * is not copied. */
 static void add_fit(struct report *report, const struct stored_fit *stored, const char *source)
 {
     const struct fit *fit = &stored->fit;
@@ -136,8 +138,8 @@ static void add_fit(struct report *report, const struct stored_fit *stored, cons
                                                        NAN, stored->statement, NULL});
 }
 
-/* Adds the values of a run: parameters that influence its motion, step or tolerance, energies and
- * largest errors. `subject` ("run 3") is kept. */
+/* Adds the values of a run to the report's values: parameters that influence its motion, step or
+ * tolerance, energies and largest errors. `subject` ("run 3") is not copied. */
 static void report_add_run(struct report *report, const struct run_slot *slot, const char *subject)
 {
     const struct run *run = slot->run;
@@ -344,8 +346,9 @@ static bool is_file(const char *path)
     return stat(path, &st) == 0 && S_ISREG(st.st_mode);
 }
 
-/* Puts the recording's own file into the report, so that its session gives the same wherever the
- * folder goes. A file that has changed since it was loaded, or is gone, is left out. */
+/* Writes a copy of the file from which recording number `index` was loaded into the report, so that
+ * its session gives the same results wherever the folder is moved. A file that has changed since it
+ * was loaded, or is gone, is left out. Returns false with *error if the copy cannot be written. */
 static bool put_own_file(struct report *report, int index, struct error *error)
 {
     const struct recording *recording = report->session->recording[index]->recording;
@@ -391,7 +394,8 @@ static bool write_recording_rows(struct report *report, int index, struct arena 
     return ok && put_own_file(report, index, error);
 }
 
-/* Writes the data files of all runs and recordings that appear in a figure. */
+/* Writes the data files of all runs and recordings that appear in a figure. Returns false with
+ * *error on failure. */
 static bool write_data(struct report *report, struct error *error)
 {
     const struct session *session = report->session;

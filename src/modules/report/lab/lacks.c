@@ -45,7 +45,8 @@ static bool has_value_of(const struct report *report, const char *name, int reco
     return find_value(report, name, subject) != NULL;
 }
 
-/* Fills lack[] with what is missing, in the order of the sections. Returns their number. */
+/* Fills lack[] with what the session lacks for the lab's report, each with commands that produce
+ * it, in the order of the sections. Returns their number. */
 static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
 {
     const struct material *m = report->material;
@@ -90,8 +91,9 @@ static int find_lacks(const struct report *report, struct lack lack[LACKS_MAX])
     return lacks;
 }
 
-/* Writes the commands of a lack. Each %s becomes the name of the recording; without a recording the
- * phrase around it is left out. Sets the scene first if another one is in use. */
+/* Appends the commands that produce what is lacking. Each %s becomes the name of the recording;
+ * without a recording the phrase around it is left out. Sets the scene first if the commands need a
+ * spring and another one is in use. */
 static void put_commands(const struct report *report, const struct lack *lack,
                          struct buffer *output)
 {

@@ -78,8 +78,8 @@ static bool is_decay_measured(const struct report *report, int index)
     return readings >= 2;
 }
 
-/* Returns true if the last fit of the recording found a gamma that is significantly larger, by
- * DAMPING_RATIO_MIN, than that of some other recording. */
+/* Returns true if the last fit of recording number `index` found a gamma that is larger, by
+ * DAMPING_RATIO_MIN beyond three standard deviations, than that of some other recording. */
 static bool is_damped_more(const struct report *report, int index)
 {
     const struct session *session = report->session;
@@ -135,7 +135,8 @@ static bool same_bits(double a, double b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-/* The fit is recognized by the bits of k, which `adopt` copied; the latest one wins. */
+/* Returns the index of the recording that a run's parameters were fitted to, or -1 if there is
+ * none. The fit is recognized by the bits of k, which `adopt` copied; the latest one wins. */
 int recording_of(const struct report *report, const struct run *run)
 {
     if (run->system.model != &oscillator_model)
@@ -200,8 +201,9 @@ static bool is_compared(const struct session *session, int index, bool one_by_on
     return false;
 }
 
-/* Returns the section of a run. `laws` is true if any run has drag that is not proportional to the
- * velocity, so that the session compares laws of drag. */
+/* Returns the section of the report to which the run with that index belongs. `laws` is true if any
+ * run has drag that is not proportional to the velocity, so that the session compares laws of
+ * drag. */
 static enum section section_of(struct report *report, const struct material *m, int index,
                                bool laws)
 {
@@ -290,7 +292,9 @@ static void choose_euler(const struct report *report, struct material *m)
         choose_schemes(report, m, m->euler >= 0 ? m->euler : best);
 }
 
-/* Runs with fewer than two recorded rows are left out of all sections. */
+/* Assigns runs and recordings to the sections of the report and stores them in report->material.
+ * Runs with fewer than two recorded rows are left out of all sections. Returns false with *error if
+ * out of memory. */
 bool sort_material(struct report *report, struct error *error)
 {
     const struct session *session = report->session;

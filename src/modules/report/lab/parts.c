@@ -242,7 +242,8 @@ static void put_meaning(struct document *document, const bool filled[RUN_STATUS 
         document_close(document, BLOCK_PARAGRAPH);
 }
 
-/* Writes a list of the names and notes that the user gave to these runs, if any. */
+/* Writes a list of the names and notes that the user gave to the runs with these indices, or
+ * nothing if there are none. */
 static void put_run_notes(struct report *report, const int *run, int runs)
 {
     struct document *document = &report->document;
@@ -270,7 +271,9 @@ static void put_run_notes(struct report *report, const int *run, int runs)
         document_close(document, BLOCK_LIST);
 }
 
-/* `distance` adds a last column with the rms distance from the recording of each run. */
+/* Writes a table of the runs with these indices, with a line that explains its columns and the
+ * user's notes. `distance` adds a last column with the rms distance from the recording of each
+ * run. */
 void put_runs(struct report *report, const int *run, int runs, bool distance)
 {
     static const char *const heads[] = {
@@ -374,8 +377,8 @@ static void put_caption(struct report *report, const struct figure_request *requ
     document_close(document, BLOCK_PARAGRAPH);
 }
 
-/* Describes the figure in words, based on all samples, not on the envelope that a long one is
- * drawn as. */
+/* Appends a description of the figure in words, based on all samples, not on the envelope that a
+ * long one is drawn as; without the module of words its title. Returns false with *error. */
 static bool put_figure_words(struct report *report, struct figure_request request,
                              struct buffer *words, struct error *error)
 {
@@ -438,8 +441,10 @@ static bool write_figure(struct report *report, const struct figure_request *req
     return ok;
 }
 
-/* Counts the figure, so that questions can cite it, and marks its runs and recording as shown, so
- * that write_data() writes their rows. */
+/* Writes a figure of that kind for the runs with these indices and, unless negative, the recording
+ * with that index. Counts the figure, so that questions can cite it, and marks what it shows, so
+ * that write_data() writes their rows. Writes nothing if the kind does not fit the runs' scene.
+ * Returns false with *error. */
 bool put_figure(struct report *report, enum section section, enum plot_kind kind, const int *run,
                 int runs, int recording, struct error *error)
 {

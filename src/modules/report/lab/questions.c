@@ -130,7 +130,8 @@ struct figure_lines {
     struct buffer *lines;
 };
 
-/* Appends "plot energy run 1 2 > q8-energy.svg". */
+/* Appends a command such as "plot energy run 1 2 > q8-energy.svg". With several figures the kind is
+ * inserted before the extension of the file. */
 static void put_figure_line(const struct figure_lines *figures, enum plot_kind kind, const int *run,
                             int runs, const char *recording)
 {
@@ -154,7 +155,8 @@ static void put_figure_line(const struct figure_lines *figures, enum plot_kind k
     buffer_put(lines, figures->is_forced && file.len > 0 ? TEXT(" --force\n") : TEXT("\n"));
 }
 
-/* Finds the runs that a question is about. Returns how many. */
+/* Sets *run to the indices of the runs that a question is about. Returns their number, 0 if there
+ * are none (or only one method to be compared). */
 static int question_runs(const struct report *report, const struct question *q, const int **run)
 {
     const struct material *m = report->material;
@@ -170,6 +172,9 @@ static int question_runs(const struct report *report, const struct question *q, 
     return m->runs[q->section] < REPORT_OVERLAY ? m->runs[q->section] : REPORT_OVERLAY;
 }
 
+/* Appends the commands that draw the figures of a question of the lab sheet, into `file` unless
+ * that is empty; is_forced lets them replace files. Questions 7 and 9 are answered by a table and a
+ * number instead. Returns false with *error if it needs a run or recording that is missing. */
 bool question_figures(const struct report *report, int number, struct text file, bool is_forced,
                       struct buffer *lines, struct error *error)
 {

@@ -216,8 +216,8 @@ static bool is_first_of_its_motion(const struct report *report, const struct mat
     return true;
 }
 
-/* Section 4: other methods beside forward Euler; figures in common, parameters of each distinct
- * motion, and a table of all undamped runs. */
+/* Writes section 4, other methods beside forward Euler: figures in common, parameters of each
+ * distinct motion, and a table of all undamped runs. Returns false with *error. */
 static bool schemes_section_put(struct report *report, const struct material *m,
                                 struct error *error)
 {
@@ -274,8 +274,9 @@ static void put_reynolds(struct report *report)
     document_close(document, BLOCK_LIST);
 }
 
-/* Writes up to REPORT_OVERLAY runs, each with parameters and figures, beside its recording if
- * shows_recording, then the energies of all in one figure. */
+/* Writes up to REPORT_OVERLAY of the runs with these indices, each with parameters and figures,
+ * beside its recording if shows_recording, then the energies of all in one figure. `here` is the
+ * section. Returns false with *error. */
 static bool put_each_run(struct report *report, enum section here, const int *run, int runs,
                          bool shows_recording, struct error *error)
 {
@@ -306,7 +307,8 @@ static bool drag_section_put(struct report *report, const struct material *m, st
     return true;
 }
 
-/* Recognizes a recording by m->decays, a run by its section. */
+/* Returns true if a subject ("data disk", "run 3") belongs to the second, damped session of the
+ * lab: a recording by m->decays, a run by its section. */
 bool of_second_session(const struct report *report, const char *subject)
 {
     const struct material *m = report->material;
@@ -368,8 +370,8 @@ static bool damped_simulation_section_put(struct report *report, const struct ma
     return true;
 }
 
-/* Section for scenes that are not of the lab: each run with position, energy, and orbit or phase
- * plot. */
+/* Writes the section for scenes that are not of the lab: up to REPORT_OVERLAY runs with position,
+ * energy, and orbit or phase plot, and a table of all. Returns false with *error. */
 static bool other_section_put(struct report *report, const struct material *m, struct error *error)
 {
     static const enum plot_kind kinds[] = {PLOT_POSITION, PLOT_ENERGY};
