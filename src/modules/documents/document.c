@@ -173,11 +173,9 @@ void document_measured(struct document *document, struct measured value, enum qu
     buffer_free(&words);
 }
 
-/*
- * Writes the name; in Markdown it is enclosed in more backticks than it contains, so that it cannot
- * end its own quotation. A table cell ends at a bar even there, unless it is escaped, and the
- * escape is taken away.
- */
+/* Writes a name that users chose, marked as code, to all formats of the document. In Markdown it is
+ * enclosed in one backtick more than the longest run in it, so that it cannot end its own
+ * quotation; in a table cell bars are escaped, since they would end the cell even there. */
 void document_name(struct document *document, struct text name)
 {
     struct buffer safe = {0};

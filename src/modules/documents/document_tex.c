@@ -7,8 +7,9 @@
 
 /* ---- escaping ---- */
 
-/* Escapes signs that TeX interprets, signs that its oldest fonts lack, and signs that would join to
- * a dash or be read as the argument of the line end before them. */
+/* Appends text as LaTeX: replaces characters that TeX interprets or its oldest fonts lack, and
+ * those that would form a dash (-) or be read as the argument of the preceding line end ([ and *).
+ */
 void buffer_latex(struct buffer *output, struct text text)
 {
     static const struct sign signs[] = {

@@ -121,7 +121,9 @@ static bool read_of(struct text *rest, struct branch_words *words, struct error 
                     "a branch follows 'of equilibrium N', 'of orbit N' or 'of response'");
 }
 
-/* Reads all arguments. Returns false with *error. */
+/* Reads the arguments of `branch` into *words: ranges NAME=FROM:TO of one or two parameters, `of`
+ * and `from` a starting solution, max=, step= and --forward. --full is accepted, since it concerns
+ * only the reply. Returns false with *error if anything is malformed or no parameter is given. */
 static bool read_branch_words(struct session *session, const struct arguments *args,
                               struct branch_words *words, struct error *error)
 {

@@ -136,7 +136,8 @@ static void put_orbit(struct buffer *output, const struct system *system, int nu
     buffer_format(output, ", %lld evaluations", (long long)orbit->evals);
 }
 
-/* Adds the record `orbit`. */
+/* Adds the record `orbit` of a closed orbit to the reply, under its `number` in the session; max
+ * and min are the extremes of the state along the orbit. */
 static void reply_orbit(const struct system *system, int number, const struct found_orbit *orbit,
                         struct reply *reply)
 {

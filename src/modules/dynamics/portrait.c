@@ -33,7 +33,9 @@ static void reply_crossings(const struct separatrix *s, const struct variable va
     reply_close(reply);
 }
 
-/* Adds text and a record for each separatrix of the portrait that is shown. */
+/* Replies with the portrait that is shown, if there is one: a line and a record for each
+ * separatrix, with the equilibrium at its other end and its crossings, then the cost, and a note if
+ * the list of equilibria may be incomplete. */
 void reply_portrait(const struct session *session, const struct figure_request *request,
                     struct reply *reply)
 {

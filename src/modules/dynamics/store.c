@@ -234,8 +234,9 @@ static bool is_branch_sound(const struct dynamics *d, const struct stored_branch
     return ok;
 }
 
-/* Reads a branch. On success *d owns `value`. Returns false if the record is damaged or if out of
- * memory. */
+/* Reads a stored branch from its record `text` and adds it to *d; id identifies the record. `value`
+ * holds the parameter values it was computed with; on success *d owns it. Returns false, with *d
+ * unchanged and `value` still owned by the caller, if the record is damaged or if out of memory. */
 static bool get_branch(const struct reader *reader, struct dynamics *d, struct text text,
                        uint64_t id, double *value)
 {

@@ -74,7 +74,10 @@ static void find_temperature(struct answer *answer, double *scratch)
     }
 }
 
-/* Computes for a few paths how halving the step changes the variable that it changes most. */
+/* Sets answer->half_step to the error of the step size: how much halving the step changes the end
+ * of a path, in standard deviations of the ensemble, for the variable that changes most. It is
+ * measured on a few paths with the same noise, and NAN if there are too few or some diverged.
+ * `scratch` has room for a value per path. */
 static void find_half_step(struct answer *answer, double *scratch)
 {
     /* Takes at most a tenth of the work. */
@@ -219,8 +222,9 @@ static bool make_answer(struct session *session, const struct arguments *args,
     return true;
 }
 
-/* Reads the remaining arguments, follows the paths, replies and stores the table. Returns false
- * with *error. */
+/* Runs the command `ensemble` after its set-up is read: reads N and rows, follows the paths,
+ * replies with the summary and keeps the table as a result. Returns false with *error if an
+ * argument is out of range, the cost is not allowed, or following fails. */
 static bool answer_ensemble(struct session *session, const struct arguments *args,
                             struct answer *answer, struct reply *reply, struct error *error)
 {

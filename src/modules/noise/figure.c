@@ -26,8 +26,9 @@ static const char *observed_name(const struct table *table)
     return table->column[1].name;
 }
 
-/* Makes the figure of the first column over time; of an ensemble that is the mean, with its
- * standard deviation as a band. Returns false with d->error if there is no table. */
+/* Makes the figure of the last result of `langevin`, its first column over time, or with `ensemble`
+ * of the last `ensemble`, the mean over time with its standard deviation as a band. Returns false
+ * with d->error if there is no such result or if out of memory. */
 static bool draw_table(struct drawing *d, bool ensemble, struct figure *figure)
 {
     const char *command = ensemble ? "ensemble" : "langevin";

@@ -203,7 +203,9 @@ static void draw_marks(const struct page *page, int curve, const struct mark_pla
     }
 }
 
-/* Draws a line with its marks, thinner if it fills the plot; arrows are grey. */
+/* Draws the line of curve number `curve` and, if `marked`, marks along it that distinguish it from
+ * others. Lines that would fill the plot are thinner; a curve of arrows is grey and has no marks.
+ */
 static void draw_line(struct page *page, int curve, bool marked)
 {
     const struct path *path = &page->path[curve];
@@ -377,7 +379,8 @@ static void draw_points(struct page *page, int index, bool dense)
     paint_points(page, index, dense);
 }
 
-/* Draws a short line, a mark, a letter or dots in the legend, as the curve is drawn. */
+/* Returns the width of the sample of curve `index` in the legend and, if `draw` is set, draws it
+ * with its left end at (x, y), as a short line, a mark, a letter or dots, like the curve itself. */
 double page_sample(struct page *page, int index, double x, double y, bool draw)
 {
     const struct picture_style *style = &page->style;

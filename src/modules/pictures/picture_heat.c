@@ -92,7 +92,8 @@ double page_bar_width(const struct picture_style *style)
     return style->entry_gap + style->sample / 2 + style->tick + style->tick_gap + 5 * style->font;
 }
 
-/* Draws numbers beside the bar, and above it the name of the quantity with its unit. */
+/* Draws the numbers beside the colour bar of a heat map, whose right edge is at x = `right`, and
+ * above it the name of the quantity with its unit and the common power of ten of the numbers. */
 static void label_bar(const struct page *page, const struct heat *heat,
                       const struct heat_scale *scale, double right)
 {

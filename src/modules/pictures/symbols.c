@@ -40,8 +40,9 @@ static size_t digits_length(struct text text, bool sign)
 
 /* ---- numbers ---- */
 
-/* Returns the length of an exponent such as "e-06", or 0. Sets *power to its digits without
- * leading zeros. */
+/* Returns the length of the exponent, such as "e-06", that the text begins with, or 0 if it begins
+ * with none. Sets *power to its digits without leading zeros and *negative to whether it has a
+ * minus sign; both are unchanged if the result is 0. */
 static size_t exponent_length(struct text text, struct text *power, bool *negative)
 {
     const size_t len =

@@ -21,8 +21,8 @@ static bool set_name(struct scene_program *p, int i, struct buffer *name)
 
 /* ---- XPPAUT ---- */
 
-/* Gives other names to those that XPPAUT reserves, or that differ from others only in case, which
- * it ignores. Returns false with an error if out of memory. */
+/* Appends a number to each name that XPPAUT reserves, or that differs from an earlier one only in
+ * case, which XPPAUT ignores. Returns false with an error if out of memory. */
 static bool make_names_distinct(struct scene_program *p)
 {
     static const char *const own[] = {"t", "pi", "sum", "delay", "shift", "int", "ran", "normal"};

@@ -133,7 +133,8 @@ static void put_rates(struct scene_program *p)
     buffer_put(p->output, octave ? TEXT(");") : TEXT(""));
 }
 
-/* Appends the definition of an observed quantity, followed by those that read it. */
+/* Appends the definition of the observed quantity with name index i in the language of the program,
+ * followed by the definitions that read it (p->observed). */
 static void put_observed(struct scene_program *p, int i)
 {
     const char *const name = p->name[i];

@@ -189,8 +189,9 @@ static bool has_table(const struct scene_program *p, struct runge_kutta *table)
     return !library && method_runge_kutta(p->method, table) && table->stages > 1;
 }
 
-/* Finds the fraction with the smallest denominator, below a million, that equals x as a double, by
- * its continued fraction. Returns false if there is none. */
+/* Finds the fraction *top / *bottom with the smallest denominator, at most a million, that equals x
+ * as a double, by the continued fraction of x. Returns false, with both unchanged, if there is
+ * none. */
 static bool fraction_of(double x, long *top, long *bottom)
 {
     long p0 = 0, q0 = 1, p1 = 1, q1 = 0;

@@ -263,8 +263,10 @@ static struct measured converted_rate(struct adoption *a, struct measured rate, 
     return inputs_widen(&used, rate);
 }
 
-/* Adopts every term of the law of damping, those that it does not have as 0. Returns false with the
- * error. */
+/* Adopts the fitted law of damping and the cubic spring into the scene's parameters; `value`
+ * [ADOPTED_...] holds the coefficients. Terms that the fit lacks are set to 0. Terms that the scene
+ * cannot represent, or that need an unknown scale, are listed as omitted. Returns false with *error
+ * if a value is refused. */
 static bool take_law(struct adoption *a, const struct fit *fit, const struct measured *value,
                      struct error *error)
 {

@@ -225,7 +225,9 @@ static void copy_covariances(const struct scene_fit *fit, int frees, struct fit_
         }
 }
 
-/* Reads the arguments, fits the scene, reports it and keeps the result. */
+/* Fits parameters of the scene to the recording: the ones that the call frees or, if none is named,
+ * the usual ones. An offset is fitted too unless its value is given. Reports the result and keeps
+ * it for `adopt`. Returns false with *error if an argument is invalid or the fit fails. */
 bool fit_the_scene(const struct fit_request *call, struct error *error)
 {
     struct session *session = call->session;
@@ -301,8 +303,9 @@ static bool is_named_by_user(const struct arguments *args, struct text name)
     return false;
 }
 
-/* Finds a constant for the compiler of formulas, and notes it as fixed. Returns false for names
- * that are not constants. */
+/* Finds a constant for the compiler of formulas, sets *slot, and appends "NAME = VALUE" to the list
+ * of fixed values; context is a struct known_names. Returns false for names that are not constants:
+ * those that the user fits, variables and observables of a scene. */
 static bool find_known(const void *context, struct text name, int *slot)
 {
     const struct known_names *known = context;

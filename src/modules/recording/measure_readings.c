@@ -95,8 +95,9 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
     reply_end(m->reply);
 }
 
-/* Sets the times [s] of the readings: the given ones, the middles of equal windows, or the start.
- * Returns false with the error. */
+/* Sets *reading_time [*count], in the arena, to the times [s] of the readings: those of at=, the
+ * middles of the equal windows of windows=N, or the start of the recording. Returns false with
+ * m->error if there are too many or if out of memory. */
 static bool reading_times(struct measuring *m, double **reading_time, int *count)
 {
     const struct argument_value *times = argument_value(m->args, "at"),

@@ -213,8 +213,9 @@ static bool is_smooth(int n)
     return n == 1;
 }
 
-/* Finds the simplest fraction within `tolerance` of x by its continued fraction. Returns false if
- * its denominator is so large that some fraction would be found for any number. */
+/* Sets *numerator and *denominator to the simplest fraction within `tolerance` of x, found by the
+ * continued fraction of x. Leaves both unchanged if there is none, if the denominator has large
+ * prime factors, or if it is so large that some fraction would be found for any number. */
 static void find_fraction(double x, double tolerance, int *numerator, int *denominator)
 {
     double rest = fabs(x), p = 1, q = 0, p_before = 0, q_before = 1;
@@ -254,11 +255,11 @@ static bool state_at(const struct local_search *search, double t, double *y)
            take_steps(search, search->reference, system->t0, span, (int)fmax(steps, 1), y);
 }
 
-/*
- * Returns the fastest rate [1/s] of the scene near its start. The Jacobian at the start alone may
- * hide it: it is 0 for a pendulum that starts horizontally, and a fast reaction may begin slowly.
- * So the natural sizes count, too, and the rates after steps of an A-stable method.
- */
+/* Returns the fastest rate [1/s] of the scene near its start, by which the local search chooses its
+ * steps. The Jacobian at the start alone may hide it, as it is 0 for a pendulum that starts
+ * horizontally, and a fast reaction may begin slowly. So the rate given by the natural sizes of
+ * velocity and position counts, too, and those after a few steps by backward Euler, which is
+ * A-stable. Returns at least the rate at the start, and 1 if none is known. */
 static double scene_rate(const struct local_search *search)
 {
     enum { LOOKS = 4 };

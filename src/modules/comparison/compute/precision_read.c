@@ -169,9 +169,10 @@ static bool is_cheaper(const struct precision_cost *a, const struct precision_co
     return a->timed && b->timed ? a->minimum < b->minimum : a->timed;
 }
 
-/* Moves costs that cannot be ranked behind the others: those without reliable times, and those with
- * general code that are slower than a specialised one. Returns the number of ranked ones, whose
- * order is kept. */
+/* Reorders costs [count], sorted by cost, so that those that can be ranked come first, and returns
+ * the number of these. Costs without reliable times cannot be ranked, nor those of methods with
+ * general code that come after a method with specialised code. The order of the ranked ones is
+ * kept. */
 static int separate_unranked(struct precision_cost *costs, int count)
 {
     int ranked = 0;

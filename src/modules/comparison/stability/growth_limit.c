@@ -183,8 +183,9 @@ static double damping_ratio(double zeta)
     return zeta < 1e-12 ? 0 : fmin(1, zeta);
 }
 
-/* Appends the modes of a Jacobian `jac` [n][n] and returns how many of its eigenvalues grow.
- * Eigenvalues near 0, which rounding leaves, are no modes. */
+/* Appends the modes of the Jacobian jac [n x n] at time t to mode [*count of max], except those
+ * near 0, which rounding leaves, and growing ones of a nonlinear system. Returns how many
+ * eigenvalues grow. */
 static int modes_of_matrix(const struct system *system, double t, const double *jac,
                            struct mode *mode, int *count, int max)
 {

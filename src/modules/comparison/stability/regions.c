@@ -91,9 +91,10 @@ static double unstable_reach(const struct method_choice *choice)
     return reach;
 }
 
-/* Widens the box, {left, right, top}, so that it holds the boundary of a method with a margin.
- * Methods that are stable at every step get a box of fixed size, or one around their unstable
- * part. */
+/* Widens box {left, right, top}, a part of the complex plane of lambda dt, so that the boundary of
+ * the method's stability region is in it, with a margin. Methods that are stable at every step on
+ * the real axis extend it to their unstable part, or by a fixed size if that is empty or too wide.
+ */
 static void include_method(const struct method_choice *choice, double box[3])
 {
     const double real = method_stable_limit(choice->method, choice->drag, 1),

@@ -179,8 +179,9 @@ static bool set_scene(const struct stress_case *what, struct system *system, str
     return scene_bind(&scene, system, error);
 }
 
-/* Takes the closed form as reference if there is one, otherwise the first two adaptive methods that
- * reach the end, whose distance is its accuracy. Leaves y NULL if there are no two. */
+/* Sets bench->reference to the closed form or, without one, to the solution of the first adaptive
+ * method that reaches the end; its distance to the next one's is the accuracy. Leaves y NULL if
+ * there are no two. */
 static void find_reference(struct stress_state *bench)
 {
     static const char *const able[] = {"rodas5p", "radau5", "dop853", "odex"};
@@ -266,7 +267,7 @@ static double grid_variable_max(const struct stress_state *bench, const double *
     return max;
 }
 
-/* Sets the verdict on a run that reached its end, from its error and amplitude. */
+/* Sets row->verdict, error and reason of a run that reached its end. */
 static void judge_end(const struct stress_state *bench, struct stress_row *row)
 {
     const struct reference *reference = &bench->reference;

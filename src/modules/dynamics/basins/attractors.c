@@ -277,10 +277,11 @@ static int learn_points(struct basin_walk *walk, const struct walker *w)
     return add_attractor(walk, &a);
 }
 
-/* Follows the orbit until it passes the plane across its start in the same direction, near it.
- * Returns the time it takes, or 0 if it does not come back within ORBIT_TURN_CHECKS_MAX looks or
- * cannot be followed. *closure_error is the distance from the start at the last passage near it,
- * unchanged if there was none. */
+/* Returns the period of the closed orbit through `start`: the time until the motion crosses the
+ * plane across its start again, in the same direction and near the start. Returns 0 if it does not
+ * within ORBIT_TURN_STEPS steps of the integration, or cannot be followed. Sets *closure_error to
+ * the distance from the start, in natural sizes, at the last such crossing, and leaves it unchanged
+ * if there is none. */
 static double orbit_period(struct basin_walk *walk, const double *start, double *closure_error)
 {
     struct field_plane plane;
@@ -307,8 +308,9 @@ static double orbit_period(struct basin_walk *walk, const double *start, double 
     return 0;
 }
 
-/* Learns a closed orbit from a motion that may be on one. Returns its index, BASIN_UNDECIDED, or
- * BASIN_MISSING if the motion does not close. */
+/* Tests whether the state of walker w lies on a closed orbit, and adds that to the attractors
+ * unless it is known. Returns the attractor's index, BASIN_MISSING if the motion does not close, or
+ * what add_attractor() returns on failure. */
 static int learn_orbit(struct basin_walk *walk, struct walker *w)
 {
     const int n = walk->n;

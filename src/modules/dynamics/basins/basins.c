@@ -115,8 +115,9 @@ static bool keeps_volume(struct basin_walk *walk, double (*start)[FIELD_VARIABLE
     return true;
 }
 
-/* Sets centres and sizes. A variable that is 0 at the scene's start has no size of its own, and
- * takes the largest one. */
+/* Sets walk->centre to the middle of the ranges of starts, and the natural sizes of the variables,
+ * by which distances are measured: half the range for the two axes. Another variable whose size is
+ * negligible, since it is 0 at the scene's start, takes the larger of these two. */
 static void choose_sizes(struct basin_walk *walk, const struct basins_request *request)
 {
     double most = 0;
@@ -388,8 +389,11 @@ static void count_basins(struct basins *basins, const struct basin_walk *walk)
             basins->fate[i] = (signed char)place[basins->fate[i]];
 }
 
-/* Learns attractors from pilot starts, follows all starts in threads, then decides those that came
- * to unknown ones. */
+/* Computes for each start of a grid which attractor the motion comes to. Learns attractors from a
+ * few pilot starts first, then follows all starts in threads, and decides last those whose
+ * attractor was unknown to their thread. Calls request->progress (may be NULL) with 2 at the end.
+ * The caller frees *basins with basins_free(). If cancelled, basins->cancelled is set and undecided
+ * starts remain BASIN_MISSING. Returns false with *error if out of memory. */
 bool basins_find(const struct basins_request *request, struct basins *basins, struct error *error)
 {
     const int64_t start_time = clock_ns();

@@ -202,9 +202,12 @@ static double criticality(struct branch_walk *w, const struct solution *s)
     return fabs(first) <= 4 * error ? 0 : first;
 }
 
-/* Returns true if the special point is a fold and not due to rounding. Where orbits change at a
- * constant parameter (canards), rounding turns it back and forth: an even number of such folds is
- * none, and an odd number counts as the one with the least or the largest value. */
+/* Returns true if the found special point *f is a fold that must be recorded. On branches of orbits
+ * that change at a nearly constant parameter (canards), rounding turns the parameter back and
+ * forth, so that folds appear which differ by less than FOLD_ROUNDING_RELATIVE. Two of them cancel,
+ * and of an odd number the one with the extreme parameter counts; the branch's last fold is then
+ * changed or removed and the result is false. Raises *accuracy, the fold's relative uncertainty, to
+ * the spread of such folds. */
 static bool is_fold(struct branch_walk *w, const struct found_special *f, double *accuracy)
 {
     struct branch *b = w->branch;

@@ -115,8 +115,9 @@ static bool derive_condition(struct special_curve *c, const double *u)
     return true;
 }
 
-/* Computes equations, condition and their derivatives. Returns false if that fails or if
- * cancelled. */
+/* Computes, for the curve of special points, the n equations of the solution and the condition of
+ * the special point as f [n + 1], and their derivatives by the unknowns u [n + 2] as jacobian [n +
+ * 1][n + 2]; context is the struct special_curve. Returns false if that fails or if cancelled. */
 static bool residual(void *context, const double *u, double *f, double *jacobian)
 {
     struct special_curve *c = context;
@@ -387,7 +388,10 @@ static bool prepare_curve_side(struct special_walk *w, struct curve_place *point
     return curve_correct(&c->problem, u, direction, false, point);
 }
 
-/* Follows the curve from its first place until it ends, and stores the reason. */
+/* Follows a curve of special points (such as folds) in two parameters, from `point` in one
+ * direction, and records its points and the special points on it. Ends at the edge of the
+ * parameters' range, after r->max points, when no further step is possible, or when cancelled, and
+ * stores that reason. */
 static void special_walk_follow(struct special_walk *w, struct curve_place point)
 {
     const struct branch_request *r = w->request;

@@ -36,9 +36,10 @@
 #define OTHER_GROWTH_LOG_MAX 5
 #define RUN_FAST_TIMES_MAX 50 /* times of the fastest motion that a run lasts at most */
 
-/* Returns the index of the eigenvalue or multiplier that the label is about: the one nearest to
- * where it becomes critical, and of two at about the same distance the one that grows. Returns -1
- * if there is none. */
+/* Returns the index of the eigenvalue (multiplier, of an orbit) of s whose passage through the
+ * critical value makes the special point: the one nearest to that value, where of two at about
+ * equal distance the growing one is preferred. For pairs, only the one with positive imaginary part
+ * counts. Returns -1 if there is none. */
 static int critical_index(const struct branch_point *special, const struct solution *s)
 {
     const bool map = s->kind != SOLUTION_EQUILIBRIUM,

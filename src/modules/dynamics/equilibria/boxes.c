@@ -82,7 +82,11 @@ static double operator_rounding(int n, const double *inverse, const struct inter
     return sum;
 }
 
-/* C is an approximate inverse of the middle of the Jacobian; m is the middle of the box. */
+/* Applies the Krawczyk operator K = m - C f(m) + (1 - C J) (box - m), where m is the middle of the
+ * box, C an approximate inverse of the middle of J, and J the interval matrix `jacobian` [n x n].
+ * Returns ONE if K is inside of the box, NONE if they do not meet, else UNKNOWN; box [n] shrinks to
+ * its intersection with K, with a small margin. `rounding` [n] may be NULL, or receives the part of
+ * K's width that is due to rounding. */
 enum verdict krawczyk_verdict(const struct system *bounded, struct interval *box,
                               const struct interval *jacobian, double *rounding)
 {

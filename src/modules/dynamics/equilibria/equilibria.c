@@ -113,7 +113,8 @@ static bool move_to_edge(const struct zero_search *s, const struct state_box *bo
     return rests;
 }
 
-/* Sets each variable that is nearly 0 to 0 if the state is then still an equilibrium. */
+/* Sets each variable of the equilibrium y [n] that is negligible beside its natural range to
+ * exactly 0, if the state is then still an equilibrium up to rounding. */
 static void round_to_zero(const struct zero_search *s, double *y)
 {
     for (int i = 0; i < s->n; i++) {

@@ -155,8 +155,9 @@ static bool keep_zero(struct zero_search *s, const struct interval *region)
     return zeros_append(s, y, &proof);
 }
 
-/* Finds a region around a box [n] and the zero near it in which that zero is the only one. Returns
- * false if none of the regions that are tried proves that. */
+/* Finds a region [n] around a box [n] and the zero near it in which that zero is proven to be the
+ * only one. Tries regions with growing margins. Returns false if no region proves it before the
+ * margin exceeds inflation_max of the search region. */
 static bool find_region(const struct zero_search *s, const struct interval *box,
                         struct interval *region)
 {
@@ -249,9 +250,11 @@ static bool add_halves(struct zero_search *s, const struct state_box *box)
     return box_queue_add(&s->waiting, &lower) && box_queue_add(&s->waiting, &upper);
 }
 
-/* Handles a box that bounds do not decide: cuts it, defers it if it is singular, or, if it is too
- * small to be cut, tries to prove its zero or leaves it undecided. rounding [n] is that of
- * krawczyk_verdict(). Returns false if out of memory. */
+/* Handles a box for which interval bounds prove neither one zero nor none. A box that can be cut is
+ * cut in two along its widest side or, if it is singular, queued for later. One that is too small
+ * to be cut is searched for a provable zero around it, else added to the undecided ones. rounding
+ * [n] is the error of the bounds from krawczyk_verdict(); a side that it dominates is not cut.
+ * Returns false if out of memory. */
 static bool split_box(struct zero_search *s, struct state_box *box, const double *rounding)
 {
     const int widest = widest_side(s, box->side);

@@ -59,8 +59,9 @@ static double unit_factor(const struct axis *side)
     return side->factor > 0 ? side->factor : 1;
 }
 
-/* Returns a label such as "equilibrium at 1, 0 (49.4 %)", in the units of the axes, or NULL if out
- * of memory. */
+/* Returns the legend of fate number `kind`, such as "equilibrium at 1, 0 (49.4 %)", from the table
+ * `basin`, with the state in the units of the axes; kinds from FATE_LETTERS on are starts that
+ * escape or are not decided. The text is in the drawing's arena. Returns NULL if out of memory. */
 static const char *label_of(struct drawing *d, const struct grid *g, int kind)
 {
     const struct table *basins = found_table(d->session, TEXT("basin"));

@@ -56,7 +56,9 @@ static void diagram_point_put(struct diagram *g, bool stable, double x, double y
     }
 }
 
-/* Adds one line of a branch: its equilibria, or the minima or maxima of its orbits. */
+/* Adds one line of a branch to the diagram: its equilibria or, for orbits, their maxima (side 1) or
+ * minima (side 0). Stable and unstable parts are separate curves, and a stable part extends to the
+ * first unstable point, so that no gap is seen between them. */
 static void put_branch_line(struct diagram *g, const struct stored_branch *b, int side)
 {
     bool was_stable = false;

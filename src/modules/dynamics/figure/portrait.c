@@ -48,8 +48,8 @@ static bool inside(const double inner[2], const double outer[2])
     return inner[0] >= outer[0] && inner[1] <= outer[1];
 }
 
-/* Keeps the region of a pane's last portrait while the run stays in it, so that the picture is
- * steady. */
+/* Replaces the region all [n][2] by that of the pane's last portrait while the run stays inside, so
+ * that the picture does not jump. */
 static void keep_box(const struct drawing *d, struct portrait_request *wanted, double all[][2])
 {
     const struct stored_portrait *stored = stored_portrait(d->session);

@@ -145,7 +145,9 @@ static enum equilibrium_type type_beside(const struct solution *s, int zero, boo
     return centre ? EQUILIBRIUM_CENTRE : EQUILIBRIUM_DEGENERATE;
 }
 
-/* Returns the type of an equilibrium from its eigenvalues. */
+/* Returns the type of an equilibrium from its eigenvalues. With eigenvalues on the imaginary axis,
+ * type_beside() decides; a centre is only reported for conservative motion or where has_centres()
+ * proves it. Beyond two variables stable and unstable nodes and foci are not distinguished. */
 static enum equilibrium_type type_of(const struct solution *s, const struct vector_field *field,
                                      const struct system *bounded, bool conservative)
 {
@@ -180,8 +182,9 @@ static int index_of(const struct solution *s)
     return negative_count % 2 ? -1 : 1;
 }
 
-/* Multiplies a complex vector by a phase, so that its largest component becomes real and
- * positive. */
+/* Multiplies the complex vector re + i im, each [n], by a phase, in place, so that its largest
+ * component becomes real and positive. Among equally large components the first is taken, so that
+ * the result does not depend on rounding. */
 static void complex_vector_rotate(int n, double *re, double *im)
 {
     int pivot = 0;
@@ -277,8 +280,11 @@ static void form_without_slopes(int n, struct solution *solution, struct equilib
     }
 }
 
-/* Takes the Jacobian as the middle of its bounds, and eigenvalues, type and eigenvectors from
- * it. */
+/* Classifies an equilibrium, solution->state: sets its eigenvalues, residual and extremes in
+ * *solution, and type, index and eigenvectors in *form. The Jacobian is the middle of its interval
+ * bounds, over a small region if the zero is multiple and its position uncertain. `conservative`
+ * allows the type of a centre. Where the bounds do not determine the Jacobian the form has no
+ * eigenvalues. Returns false if the eigenvalues cannot be computed. */
 bool equilibrium_form(const struct vector_field *field, const struct system *bounded,
                       bool conservative, struct solution *solution, struct equilibrium_form *form)
 {

@@ -92,7 +92,9 @@ static void add_drive(const struct orbit_curve *c, int i, double rate, struct sh
     }
 }
 
-/* Adds the equations of segment i: its end is the start of the next one. */
+/* Sets the n equations of segment i of a closed orbit in f, and their derivatives in jacobian, at
+ * the unknowns u: the end of segment i, integrated in *s, must equal the start of the next one.
+ * Behind the last segment this is the first one, with angles changed by their turns in a period. */
 static void put_rows(const struct orbit_curve *c, const double *u, int i, const struct shot *s,
                      double *f, double *jacobian)
 {

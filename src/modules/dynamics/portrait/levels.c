@@ -38,8 +38,10 @@ static double value_at(const struct marching *m, double x, double y)
     return m->request->value(m->request->context, x, y);
 }
 
-/* Finds the zero on the side from a to b, each x, y and value, where the values have different
- * signs. Starts from the same end for both cells that share the side. Returns false at a pole. */
+/* Finds by bisection the point where a level line crosses the side of a cell from a to b, each {x,
+ * y, value}; the values must have different signs. Both cells that share the side find the same
+ * point, since the search starts from its lower end. Sets point {x, y}. Returns false at a pole,
+ * where the value at the sign change exceeds those at the ends. */
 static bool side_crossing(const struct marching *m, const double a[3], const double b[3],
                           double point[2])
 {
@@ -102,8 +104,10 @@ static void march_cell(struct marching *m, double corner[4][3])
     }
 }
 
-/* Examines a cell, and cuts it in four until it is fine enough. `cells` is the number of such cells
- * along a side of the whole box. */
+/* Draws the level lines in a cell `box`, {x, y} by {low, high}, and calls itself for its quarters
+ * until cells are fine enough: finer where the sign changes at the corners, or where it is not
+ * known that there is no zero. `cells` is the number of such cells along a side of the entire
+ * region. Stops at CELLS_EXAMINED_MAX cells or when cancelled. */
 static void examine_cells(struct marching *m, const double box[2][2], int cells)
 {
     const struct level_request *request = m->request;

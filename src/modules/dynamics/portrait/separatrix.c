@@ -52,8 +52,8 @@ static double walk_stride(const struct plane_walk *w)
     return w->sign * fmin(speed > 0 ? POINT_STRIDE_FRACTION / speed : HUGE_VAL, calm);
 }
 
-/* Moves angles that have left their range to its other side. Returns true if one has, so that the
- * line needs a gap. */
+/* Moves plotted variables that are angles and have left their range back into it by whole turns.
+ * Returns true if one has moved, so that the line needs a gap there. */
 static bool plane_angle_wrap(struct plane_walk *w)
 {
     bool turned = false;
@@ -188,8 +188,10 @@ static void begin_plane_walk(struct plane_walk *w, struct portrait_work *work)
     }
 }
 
-/* Follows the separatrix of equilibrium e along the eigenvector of eigenvalue `value`, on its side
- * 1 or -1. Returns false if out of memory. */
+/* Follows the separatrix of equilibrium e that starts along the eigenvector of eigenvalue number
+ * `value`; `side` is 1 or -1 for its two directions. Stable ones are followed backwards in time.
+ * Adds the line and a description to the portrait, with where it ends: at the frame, at an
+ * equilibrium, or "goes on". Returns false if out of memory. */
 static bool follow_separatrix(struct portrait_work *work, int e, int value, int side)
 {
     struct portrait *portrait = work->portrait;

@@ -76,7 +76,10 @@ static void follow_pair(const struct delay_space *s, size_t i, size_t j, size_t 
     }
 }
 
-/* Turns sums into means, over each part and over the whole series. */
+/* Divides the sums of the logarithm of distances by the numbers of pairs: of each part of the
+ * series (count [DIVERGENCE_PARTS]) and of all parts together, as d->mean. Sets d->last to the mean
+ * over the last quarter of the steps, and d->saturation to the level that distances cannot exceed.
+ */
 static void put_means(const struct delay_space *s, const size_t *count, struct divergence *d)
 {
     for (size_t k = 0; k < d->steps; k++) {

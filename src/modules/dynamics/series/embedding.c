@@ -201,9 +201,10 @@ int choose_dimensions(struct delay_space *s, size_t n, double sigma, double *fal
 
 enum { UNKNOWNS = SPACE_DIMENSIONS + 1 }; /* coefficients of a linear function and its constant */
 
-/* Returns the mean square error with which the best linear function of a vector predicts the value
- * `ahead` samples behind it, or NAN if the function is not unique. The first pass fits it, the
- * second one evaluates it. */
+/* Returns the mean square error with which the best linear function of a delay vector predicts the
+ * value `ahead` samples later, over the first `vectors` vectors (a subset if there are many).
+ * Returns NAN if the function is not unique. The first pass fits the function, the second one
+ * evaluates it. */
 static double linear_error(const struct delay_space *s, size_t ahead, size_t vectors)
 {
     const int n = s->dimensions + 1;

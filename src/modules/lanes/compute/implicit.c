@@ -167,8 +167,9 @@ static void renew_inverses(struct lanes *lanes, struct motion *m, struct lane_st
     }
 }
 
-/* Solves a stage by Newton's method, with the operations of motion_stage(). Lanes that would need
- * newton_follow() are marked to be made alone. */
+/* Solves one implicit stage in all lanes at once by Newton's method, with the operations and bits
+ * of motion_stage(): sets the increments stage->z and the states stage->sum. stage->alone is a mask
+ * of lanes that have not converged, or need newton_follow(), and must be computed one by one. */
 static void solve_motion(struct lanes *lanes, struct lane_time stage_time, struct lane_stage *stage)
 {
     struct motion m;
@@ -278,8 +279,9 @@ static void implicit_stages(struct lanes *lanes, struct lane_stage *stage,
     }
 }
 
-/* Makes one step in all lanes, then repeats those that have to be made alone. k has the slopes of
- * the previous step and receives those of this one. */
+/* Takes one step in all lanes: computes the stages side by side, then repeats lane by lane those
+ * that did not converge. k has the slopes of the previous step and receives those of this one.
+ * Updates lanes->y and lanes->evals. */
 static void step_lanes(struct lanes *lanes, struct lane_stage *stage, double (*k)[N][LANE_COUNT])
 {
     const struct implicit_tableau *const tableau = lanes->method->implicit;

@@ -22,10 +22,9 @@ static void probe_state(const struct system *system, double shift, double speed,
     }
 }
 
-/*
- * Finds the linear damping [half] of each coordinate at rest. Returns false if it depends on the
- * position or the time, or couples coordinates, so that there is no such number.
- */
+/* Finds the damping rate of each coordinate, gamma [n/2], from the Jacobian at a few probe states.
+ * Returns false if the damping depends on position or time, or couples coordinates, so that it is
+ * not one rate per coordinate, or if out of memory. */
 static bool linear_damping(const struct system *system, double *gamma)
 {
     static const double shift[DAMPING_PROBES] = {0, 0.31, -0.47, 0.83};

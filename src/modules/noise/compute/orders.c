@@ -206,7 +206,9 @@ static void summarise_orders(const struct orders_work *work, struct method_order
     orders->weak = find_order(orders->level, orders->levels, false);
 }
 
-/* Follows all paths with steps of all sizes, over threads, and summarises them. */
+/* Measures the strong and weak order of a method: follows all paths with steps of all sizes in
+ * threads, with the same noise, and summarises the errors in *orders. Returns false with *error,
+ * and *orders zero, if a path diverges, if out of memory or if cancelled. */
 bool noise_orders_measure(const struct orders_request *request, const struct noise_method *method,
                           struct parallel parallel, struct method_orders *orders,
                           struct error *error)

@@ -127,8 +127,9 @@ int64_t noise_path_follow(const struct path_request *request, uint64_t path, dou
 
 /* ---- the same path with half the step ---- */
 
-/* Follows a path with half steps: each increment is divided by a Brownian bridge (Levy 1939).
- * Returns false if it diverges or if cancelled. */
+/* Follows path number `path` with half the grid's step and stores the state at the end in y. The
+ * noise is that of the full steps, each increment divided in two by a Brownian bridge (Levy 1939),
+ * so that both results can be compared. Returns false if the path diverges or if cancelled. */
 static bool follow_halves(const struct path_request *request, uint64_t path, double *y)
 {
     enum { CANCEL_CHECK_STEPS = 1024 };

@@ -60,8 +60,9 @@ static void find_force(const struct noise_forcing *forcing, double t, const doub
         a[i] += (forcing->gamma[i] - forcing->extra[i]) * y[forcing->first + i];
 }
 
-/* Changes the velocities by these forces over half a step at fixed positions: exactly, or by the
- * midpoint rule if the forces depend on velocity. */
+/* Advances the velocities in y by half a step at fixed positions, under the deterministic forces
+ * except linear damping: exactly, or by the midpoint rule if these forces depend on velocity. The
+ * force of the previous kick is reused if stepper->warm says that it belongs to this state. */
 static void kick_half(struct noise_stepper *stepper, double t, double *y)
 {
     const struct noise_forcing *forcing = stepper->forcing;

@@ -83,8 +83,8 @@ struct path_writer {
     long start[2]; /* [pt/100] where the current line began */
 };
 
-/* Appends a command with two numbers, without its letter if it repeats the last one, and without a
- * blank where a minus sign separates numbers. */
+/* Appends a command of an SVG path, such as M or l, with two numbers x, y in hundredths. The letter
+ * is left out if it repeats the previous one, and so are blanks before a minus sign. */
 static void put_pair(struct path_writer *state, char command, long x, long y)
 {
     if (command != state->command)

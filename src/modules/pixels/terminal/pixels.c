@@ -91,8 +91,9 @@ static bool evaluate_answer(struct text answer, enum protocol *best)
     return answer.data[1] == '[';
 }
 
-/* Reads answers until the last one, and removes them from `bytes`; keys that were typed meanwhile
- * remain there. Returns false if the last one does not come in time. */
+/* Reads the terminal's answers until the last one or until PATIENCE_NS has passed, and raises *best
+ * to the best protocol among them. Answers are removed from `bytes`; keys that were typed meanwhile
+ * remain there. Returns false if the last answer does not come in time. */
 static bool await_answers(struct buffer *bytes, enum protocol *best)
 {
     const int64_t deadline = clock_ns() + PATIENCE_NS;
@@ -126,8 +127,10 @@ static bool await_answers(struct buffer *bytes, enum protocol *best)
     }
 }
 
-/* Asks the terminal for its protocol, in raw mode, and passes keys that were typed meanwhile to
- * readline. Returns PROTOCOL_NONE if it answers none. */
+/* Asks the terminal which graphics protocols it supports and returns the best one, or PROTOCOL_NONE
+ * if it does not answer or input or output is no terminal. The terminal is in raw mode while the
+ * answer is awaited. `at_prompt` means that readline is active: it then receives keys that were
+ * typed meanwhile. Sets pixels.owed if an answer is outstanding. */
 static enum protocol protocol_query(bool at_prompt)
 {
     struct termios saved, raw;
@@ -207,8 +210,9 @@ static void put_iterm(struct text code, size_t size, int columns, struct buffer 
     buffer_char(output, '\a');
 }
 
-/* Computes the page [pt] of a picture that is as wide as the cells and not higher; two pixels are a
- * point. */
+/* Sets page {width, height} [pt, two pixels each] of a picture that is as wide as `columns` cells
+ * and at most `rows` cells high. The size of a cell is what the terminal reports, else a usual one.
+ */
 static void choose_page(int columns, int rows, double page[2])
 {
     struct winsize size = {0};

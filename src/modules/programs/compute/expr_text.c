@@ -145,7 +145,9 @@ static struct piece zero_piece(void)
         .text = TEXT("0"), .binds = ATOM, .zero = TERM_ZERO, .number = true, .value = 0};
 }
 
-/* Returns a number as an operand. */
+/* Returns the number `value` as an operand in the printer's language: its digits without sign (kept
+ * by the printer), how tightly it binds (a TeX power of ten is a product), its sign and whether it
+ * is 0. */
 static struct piece number_piece(struct printer *p, double value)
 {
     struct buffer text = {0};
@@ -253,7 +255,8 @@ static struct piece power_of(struct printer *p, const struct piece *x, const str
     return (struct piece){.text = printed_text_keep(p, &text), .binds = binds};
 }
 
-/* Returns a comparison, whose value is 1 or 0. */
+/* Returns the operand for "a kind b", a comparison with the value 1 or 0, in the printer's
+ * language: in parentheses and, in C, converted to double. */
 static struct piece comparison_of(struct printer *p, enum op_kind kind, const struct piece *a,
                                   const struct piece *b)
 {

@@ -8,7 +8,9 @@
 
 /* ---- names ---- */
 
-/* Finds a velocity by the name of its position with a prime. Returns false if it is none. */
+/* Finds the velocity that is called by its position's name with a prime, such as x', and sets *slot
+ * to its index among the names (0 is the time, then positions, then velocities). Returns false if
+ * the name is not such a velocity. */
 static bool find_primed(const struct written *w, struct text name, int *slot)
 {
     const struct model *model = w->system.model;
@@ -23,8 +25,8 @@ static bool find_primed(const struct written *w, struct text name, int *slot)
     return false;
 }
 
-/* Finds a name other than an observed quantity, for expr_compile(). Returns false if it is
- * unknown. */
+/* Finds a name for expr_compile() and sets *slot to its index; context is the struct written. Names
+ * of observed quantities are not found here. Returns false if the name is unknown. */
 static bool written_slot_find(const void *context, struct text name, int *slot)
 {
     const struct written *w = context;

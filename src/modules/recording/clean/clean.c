@@ -154,8 +154,8 @@ static bool lacks_good_samples(const struct cleaning *c, const struct local *loc
     return !local->fitted && 2 * (double)(local->end - local->begin) * c->step > c->period;
 }
 
-/* Returns the smallest ratio of a stretch's amplitude to larger ones before and after it. A motion
- * that waxes and wanes, such as beats, may be small at an end without a hand. */
+/* Returns the smallest ratio (at most 1) of a period's amplitude to larger ones on both sides. In
+ * motion that waxes and wanes, such as beats, a small amplitude at an end is no disturbance. */
 static double deepest_wane(struct cleaning *c)
 {
     double peak = 0, next_max = 0, deepest = 1;
@@ -174,10 +174,11 @@ static double deepest_wane(struct cleaning *c)
     return deepest;
 }
 
-/* Returns the number of stretches at one end that are not a free oscillation: their amplitude is
- * much smaller than further inside (with regard to the decay), or no sine fits, or the motion is at
- * rest there. Stretches with too few samples for a fit count only if such a long run of them would
- * be improbable inside, as a clipped signal may leave too few anywhere. */
+/* Returns how many periods at the start (or, with `end`, at the end) of the recording are not a
+ * free oscillation: their amplitude is much smaller than further inside, no sine fits or, with
+ * `rests`, the motion has come to rest. `fall` is the usual ratio of amplitudes of successive
+ * periods. Periods with too few samples for a fit count only if so many at the end would be
+ * improbable by chance. Returns 0 if two thirds or more would be bad. */
 static size_t bad_stretches(struct cleaning *c, bool end, bool rests, double fall)
 {
     const double wane = deepest_wane(c);
@@ -239,9 +240,9 @@ static void find_ends(struct cleaning *c)
 
 /* ---- bad echoes ---- */
 
-/* Marks samples far off their local fit, with those beside them on the same side. A strong decay is
- * itself off the linear amplitude of the fit: by half the square of its change in a period, and by
- * twice that at the ends, where the fit is one-sided. */
+/* Sets findings->mask to `mark` for samples far off the local fit, and for their neighbours on the
+ * same side. A strong decay is off the linear amplitude of the fit: by half the square of its
+ * change in a period, twice that at the ends, where the fit is one-sided. That is allowed. */
 static void mark_far_off(struct cleaning *c, unsigned char mark)
 {
     unsigned char *mask = c->findings->mask;

@@ -288,7 +288,10 @@ static void fit_local(struct cleaning *c, struct local *local, const struct clea
     put_residuals(c, local);
 }
 
-/* Divides the recording into whole periods on the first call, and fits each one. */
+/* Fits a sine to each period of the recording (c->local) by fit_local(). The first call also
+ * divides the recording into c->locals periods. Sets c->typical to the median residual of the fits,
+ * NAN if none succeeded, and c->fitted_without to a copy of the mask of excluded samples. Returns
+ * false if out of memory or cancelled. */
 bool clean_fit(struct cleaning *c)
 {
     const double first = c->t[0], span = c->t[c->n - 1] - first;

@@ -195,8 +195,9 @@ static bool has_directory(struct text bytes)
     return false;
 }
 
-/* Adds the tables of a zip archive, or the sheets of an .xlsx workbook, as parts. Returns false
- * with the error if there are none. */
+/* Adds the tables of text in a zip archive, or the sheets of an .xlsx workbook, to `contents` as
+ * parts. `bytes` is the archive and `shown` its name for messages. Returns false with the error set
+ * if the archive is damaged or contains no table. */
 static bool from_zip(struct text bytes, const char *shown, struct contents *contents,
                      struct error *error)
 {

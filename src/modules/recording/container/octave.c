@@ -116,8 +116,9 @@ static double longest_vectors(const struct octave_file *file, double limit)
     return longest;
 }
 
-/* Adds a part with all vectors of that length side by side, unless there is only one of them.
- * Returns false with the error. */
+/* Adds a part with all vectors of `length` elements side by side as columns. Adds none, and returns
+ * true, if fewer than two vectors have that length or contents has PARTS_MAX parts. Returns false
+ * with the error set if out of memory or cancelled. */
 static bool add_table(struct octave_file *file, double length, struct contents *contents,
                       struct error *error)
 {

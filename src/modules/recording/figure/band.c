@@ -121,8 +121,9 @@ static double *new_spread(struct drawing *d, int i, bool named)
     return half;
 }
 
-/* Checks that the figure shows one run of the adopted scene, and computes the band of its
- * curves. */
+/* Computes the uncertainty band of each curve of the figure, for the argument --band. Returns false
+ * with d->error unless the figure shows positions and velocities over time of exactly one run of
+ * the adopted scene. */
 bool drawing_band(struct drawing *d)
 {
     const struct figure_request *request = d->request;
@@ -228,7 +229,9 @@ static bool find_band(struct session *session, const struct run *run, struct fit
     return true;
 }
 
-/* Compares run and adopted fit with those of the stored band, and computes it if they differ. */
+/* Computes the uncertainty band of the session's current run and stores it with the fits, if the
+ * run or the adopted fit has changed since the last time. Does nothing while a run is computed or
+ * if no band is shown. Without a band, e.g. if the run is not of the adopted scene, n is 0. */
 void session_store_band(struct session *session)
 {
     const struct run *run = session_run(session);

@@ -262,9 +262,11 @@ static bool find_weights(struct curve_problem *p, double *x, int *iterations, bo
     return true;
 }
 
-/* Finds the minimum from x and judges it. It begins with variable projection if the curve is linear
- * in some parameters, then bounds and weights are applied to all, and the manners of descent are
- * tried until one converges. Returns false if the curve has no value at x, or if cancelled. */
+/* Finds the minimum of the sum of squares from x [parameters], which is in and out, and sets the
+ * result, with errors and fit->converged, in *fit. Begins with variable projection if the curve is
+ * linear in some parameters; then bounds and robust weights are applied, and the manners of descent
+ * are tried in turn until one converges. Returns false if the curve has no value at x, or if
+ * cancelled. */
 static bool fit_minimise(struct curve_problem *p, double *x, const struct curve_options *o,
                          struct curve_fit *fit)
 {

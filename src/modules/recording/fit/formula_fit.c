@@ -63,8 +63,9 @@ static bool thin_out(struct formula_search *s, const struct series *series, stru
     return curve_problem_init(&s->problem, &s->curve, s->formula.linear, &s->thin, arena);
 }
 
-/* Collects sizes that parameters of a curve through these samples tend to have: frequencies, spans,
- * ranges, and plain numbers. */
+/* Collects sizes that parameters of a curve through these samples tend to have, as starting values
+ * of the fit: frequencies, spans, ranges, and plain numbers. They are appended to s->scale; those
+ * that are 0 or not finite are left out. */
 static void find_scales(struct formula_search *s, const struct series *series, struct arena *arena)
 {
     double low = HUGE_VAL, high = -HUGE_VAL, first = HUGE_VAL, last = -HUGE_VAL;
