@@ -6,6 +6,7 @@
 #include "modules/report/lesson.h"
 
 #include <hooke/base/numeric.h>
+#include <hooke/base/unit.h>
 
 #include <math.h>
 #include <stdlib.h>
@@ -235,15 +236,60 @@ static int equivalent_values(const struct lesson_step *step, struct named_value 
     return count;
 }
 
-/* Returns true if the value is within three uncertainties, that of the wanted one and the stated
- * one, or, without a stated one, within its first digits. */
-static bool is_answer_right(const struct item *item, const struct named_value *wanted)
+/* Verdicts on an answer. If it has several forms, the last one that applies to any of them counts.
+ */
+enum verdict { ANSWER_OTHER_UNIT, ANSWER_VAGUE, ANSWER_WRONG, ANSWER_RIGHT };
+
+/* Compares an answer with the wanted value. It is right within three uncertainties, that of the
+ * wanted one and the stated one, or, without a stated one, within its first digits. With a large
+ * stated uncertainty nearly every value would be right, so that such an answer is refused. */
+static enum verdict answer_verdict(const struct item *item, const struct named_value *wanted)
 {
     const double stated = item->value.uncertainty;
-    const double wanted_error = isfinite(wanted->uncertainty) ? fabs(wanted->uncertainty) : 0;
+    const double own = isfinite(wanted->uncertainty) ? fabs(wanted->uncertainty) : 0;
     const double rounding = stated > 0 ? 0 : LESSON_DIGITS * fabs(wanted->value);
-    return fits_unit(item, wanted->quantity) && fabs(item->value.value - wanted->value) <=
-                                                    fmax(3 * hypot(wanted_error, stated), rounding);
+    if (!fits_unit(item, wanted->quantity))
+        return ANSWER_OTHER_UNIT;
+    if (stated > fmax(LESSON_VAGUE_RATIO * own, LESSON_VAGUE * fabs(item->value.value)))
+        return ANSWER_VAGUE;
+    return fabs(item->value.value - wanted->value) <= fmax(3 * hypot(own, stated), rounding)
+               ? ANSWER_RIGHT
+               : ANSWER_WRONG;
+}
+
+/* Appends the kinds of answers that a step takes: "time [s] or frequency [Hz]". */
+static void put_kinds(const struct named_value *value, int count, struct buffer *output)
+{
+    for (int i = 0; i < count; i++) {
+        const char *unit = quantity_unit(value[i].quantity);
+        if (i > 0 && value[i].quantity == value[i - 1].quantity)
+            continue;
+        buffer_put(output, i > 0 ? TEXT(" or ") : TEXT(""));
+        if (*unit)
+            buffer_format(output, "%s [%s]", quantity_name(value[i].quantity), unit);
+        else
+            buffer_put(output, TEXT("a number without unit"));
+    }
+}
+
+/* Tells why an answer is not correct, and adds the record `lesson`. */
+static void say_wrong(const struct session *session, const struct item *item, enum verdict verdict,
+                      const struct named_value *value, int count, struct reply *reply)
+{
+    struct buffer kinds = {0};
+    put_kinds(value, count, &kinds);
+    if (verdict == ANSWER_OTHER_UNIT)
+        reply_line(reply, "not correct: its unit is that of %s; this step takes %s",
+                   quantity_name(item->quantity), buffer_view(&kinds));
+    else
+        reply_line(reply, "not correct: outside the stated uncertainty ('hint' helps, 'again' "
+                          "shows the step again)");
+    reply_begin(reply, "lesson");
+    reply_int(reply, "step", session_lesson(session)->step + 1);
+    reply_int(reply, "steps", session_lesson(session)->steps);
+    reply_string(reply, "state", "wrong");
+    reply_end(reply);
+    buffer_free(&kinds);
 }
 
 /* Checks the student's answer and goes to the next step if it is right. Messages never reveal the
@@ -268,23 +314,21 @@ HANDLER(check)
     }
     if (!step.done && !value->count)
         return error_set(error, ERROR_COMMAND, "'check' needs the value that you read");
-    if (!step.done &&
-        value->item->value.uncertainty > LESSON_VAGUE * fabs(value->item->value.value))
-        return error_set(error, ERROR_COMMAND,
-                         "its uncertainty is larger than %g %%, too large for a check",
-                         100 * LESSON_VAGUE);
-    bool right = step.done;
+    enum verdict verdict = step.done ? ANSWER_RIGHT : ANSWER_OTHER_UNIT;
     const int ways = equivalent_values(&step, found);
-    for (int i = 0; i < ways && !right; i++)
-        right = is_answer_right(value->item, &found[i]);
-    if (!right) {
-        reply_line(reply, "not correct: outside the stated uncertainty ('hint' helps, 'again' "
-                          "shows the step again)");
-        reply_begin(reply, "lesson");
-        reply_int(reply, "step", session_lesson(session)->step + 1);
-        reply_int(reply, "steps", session_lesson(session)->steps);
-        reply_string(reply, "state", "wrong");
-        reply_end(reply);
+    for (int i = 0; i < ways && verdict != ANSWER_RIGHT; i++) {
+        const enum verdict one = answer_verdict(value->item, &found[i]);
+        verdict = one > verdict ? one : verdict;
+    }
+    if (verdict == ANSWER_VAGUE) {
+        error_set(error, ERROR_COMMAND,
+                  "its uncertainty is too large for a check: above %g %% of the value, and above "
+                  "%d times that of the measurement",
+                  100 * LESSON_VAGUE, LESSON_VAGUE_RATIO);
+        return error_hint(error, "give the uncertainty that the measurement printed");
+    }
+    if (verdict != ANSWER_RIGHT) {
+        say_wrong(session, value->item, verdict, found, ways, reply);
         return true;
     }
     reply_line(reply, "right");

@@ -11,9 +11,10 @@
 #include <hooke/module.h>
 #include <hooke/session/names.h>
 
-#define LESSON_DIGITS 0.005 /* tolerance of a value without uncertainty, relative */
-#define LESSON_VAGUE 0.1    /* largest relative uncertainty of an accepted answer */
-#define LESSON_STEPS 64     /* most steps of a lesson */
+#define LESSON_DIGITS 0.005  /* tolerance of a value without uncertainty, relative */
+#define LESSON_VAGUE 0.02    /* largest relative uncertainty of an accepted answer, or: */
+#define LESSON_VAGUE_RATIO 3 /* times the measured uncertainty, whichever is larger */
+#define LESSON_STEPS 64      /* most steps of a lesson */
 
 /* The module's part of a session: the open lesson, if there is one. */
 struct lesson {

@@ -29,8 +29,10 @@ does "lab seed=7; load bare-7.txt; measure period; check $T s" && grep -q '^3/' 
 ok "right: it goes on" $?
 does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T s" && grep -q '^not correct' out && ! grep -q '^3/' out
 ok "wrong by 1 %: it stays" $?
-does "lab seed=7; load bare-7.txt; measure period; check $T kg" && grep -q '^not correct' out
-ok "right, but for the unit" $?
+does "lab seed=7; load bare-7.txt; measure period; check $T kg" && grep -q '^not correct: its unit is that of mass; this step takes time \[s\] or frequency \[Hz\] or angular frequency \[rad/s\]' out
+ok "right, but for the unit: the kinds that it takes are named" $?
+does "lab resonance; print omega0; check 8.7 kg" && grep -q 'takes angular frequency' out
+ok "in other lessons, too" $?
 "$hooke" -n -c 'lab seed=7; load bare-7.txt; check 0.5 s' >out 2>&1
 [ $? -eq 1 ] && grep -q 'not yet' out
 ok "not measured yet" $?
@@ -102,6 +104,16 @@ does "lab seed=7; load bare-7.txt; measure period; check 1.01*$T +- 0.005 s" && 
 ok "a stated uncertainty is the tolerance" $?
 ! does "lab seed=7; load bare-7.txt; measure period; check 0.5 +- 0.4 s" && grep -q 'too large for a check' out
 ok "unless it tells nothing" $?
+vague="lab seed=7; load bare-7.txt; skip; m = 195.5 +- 0.1 g; measure k"
+! does "$vague; check 15 +- 1.5 N/m" && grep -q 'too large for a check: above 2 %' out && does "$vague; check 16.6 +- 0.3 N/m" && grep -q '^4/' out
+ok "10 % of a spring constant does not make each spring right, 2 % is taken" $?
+does "$vague; check 14.9 +- 0.29 N/m" && grep -q '^not correct: outside the stated uncertainty' out
+ok "nor does 2 %" $?
+! does "lab seed=7; load bare-7.txt; measure period; check 0.5 +- 0.4 kg" 2>/dev/null; grep -q 'that of mass' out
+ok "the unit comes before the uncertainty" $?
+to_drift="lab seed=7$(printf '; skip%.0s' $(seq 5)); run 10 s; measure drift"
+does "$to_drift; check 0.5 s" && grep -q 'takes a number without unit' out && ! grep -q 'unit or ' out
+ok "a number without unit is named once" $?
 to_tau="lab seed=7$(printf '; skip%.0s' $(seq 8)); load disk-7.txt; measure decay"
 does "$to_tau" && tau=$(sed -n 's/.* tau = \([0-9.]*\) .*/\1/p' out | tail -1) && does "$to_tau; check $tau s" && grep -q '^11/' out && does "$to_tau; check (2/$tau) 1/s" && grep -q '^11/' out && does "$to_tau; check $tau 1/s" && grep -q '^not correct' out
 ok "a decay as tau or gamma" $?
