@@ -33,8 +33,8 @@ void watch_look(void);
  * 16 ms. */
 #define LOOK_EACH_ROWS 16384
 
-/* Returns true if a stop has been requested. NULL means that nobody can request it. May be called
- * from any thread. */
+/* Returns true if a stop has been requested. `cancel` may be NULL, for a computation that nothing
+ * can stop: then the result is false. May be called from any thread. */
 static inline bool cancelled(const struct cancel *cancel)
 {
     if (cancel)

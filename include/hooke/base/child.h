@@ -20,8 +20,11 @@ struct child {
     bool (*stopped)(const void *context);
     /* Argument of work() and stopped(). */
     const void *context;
-    const char *what; /* Beginning of the messages of failures: "the picture could not be drawn". */
-    double patience;  /* Total time [s] without output after which the copy is killed. */
+    /* Beginning of the messages of failures, such as "the picture could not be drawn". */
+    const char *what;
+    /* Time [s] that child_run() waits for output, summed over all its waits; then the copy is
+     * killed. */
+    double patience;
 };
 
 /*

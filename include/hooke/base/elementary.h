@@ -11,8 +11,8 @@
  */
 #pragma once
 
-/* The result depends on the arguments alone and nothing is written, so that compilers may merge
- * calls. */
+/* Return type double, with an attribute that lets compilers merge calls: the result depends on the
+ * arguments alone, and the function writes nothing. */
 #if defined(__GNUC__)
 #define FIXED_FUNCTION __attribute__((const)) double
 #else

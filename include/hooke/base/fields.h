@@ -83,20 +83,21 @@ void field_end(struct buffer *output, size_t begun);
 /* Appends a field for each of the `count` described members of `object`. */
 void fields_put(struct buffer *output, const struct field *field, size_t count, const void *object);
 
-/* Finds the first field of this name; *value is its slice of `text`. Returns false if it is missing
- * or the bytes are damaged. */
+/* Finds the first field of this name in `text`, which is a sequence of fields; *value is its slice
+ * of `text`. Returns false if the field is missing or the bytes are damaged. */
 bool field_find(struct text text, const char *name, struct text *value);
 /* Moves the first field of *text to *name and *value, both slices of it. Returns false if there is
  * no further field or if it is damaged. */
 bool field_next(struct text *text, struct text *name, struct text *value);
-/* Copies the value of a field to `target`. Returns false, with *target unchanged, if the field is
- * missing or does not have exactly `bytes` bytes. */
+/* Copies the value of the first field of this name in `text` to `target`. Returns false,
+ * with *target unchanged, if the field is missing or does not have exactly `bytes` bytes. */
 bool field_get(struct text text, const char *name, void *target, size_t bytes);
-/* Reads all described members into `object`. Returns false if one is missing, has another length or
- * has a value that is not allowed; members before it have then been changed. */
+/* Reads the `count` members that field [count] describes from the fields in `text` into `object`.
+ * Returns false if one is missing, has another length or has a value that is not allowed; members
+ * before that one have then been changed. */
 bool fields_get(struct text text, const struct field *field, size_t count, void *object);
-/* Reads those described members that the file has with the right length; others keep their values.
- * Returns false if one has a value that is not allowed. */
+/* Does the same for those members whose fields are in `text` with the right length; the others keep
+ * their values. Returns false if one has a value that is not allowed. */
 bool fields_get_known(struct text text, const struct field *field, size_t count, void *object);
 /* Returns true if the values of all described members of `object` are allowed. */
 bool fields_sound(const struct field *field, size_t count, const void *object);
@@ -114,16 +115,17 @@ struct field_places {
 
 /* Appends a field with the names of all rows of the catalog, each ended by a NUL. */
 void field_put_names(struct buffer *output, const char *name, const struct catalog *catalog);
-/* Fills *places from the value of such a field. Returns false if it is damaged or has too many
- * names. */
+/* Fills *places from `names`, the value of a field that field_put_names() wrote. Returns false if
+ * the value is damaged or has too many names. */
 bool field_find_places(struct text names, const struct catalog *catalog,
                        struct field_places *places);
-/* Copies the items, `item` bytes each, of an array in the file to target[rows], at the indices of
- * their rows; rows that the file does not have keep their values. Returns false, and copies
- * nothing, if the array is missing or has another length. */
+/* Finds the field of this name in `text`, whose value is an array of items of `item` bytes each in
+ * the order of the file, and copies them to target [places->rows] in the order of the catalog; rows
+ * that the file does not have keep their values. Returns false, and copies nothing, if the field is
+ * missing or has another length. */
 bool field_get_placed(struct text text, const char *name, const struct field_places *places,
                       void *target, size_t item);
 
-/* Returns a checksum of bytes. Different contents have the same sum with probability 2^-64; it is
- * no protection against intent. */
+/* Returns a checksum of bytes. Different contents have the same sum with probability 2^-64; the sum
+ * does not detect deliberate forgery. */
 uint64_t bytes_sum(struct text bytes);

@@ -20,8 +20,8 @@
  * with ERROR_CANCELLED if its handler was installed without SA_RESTART. */
 bool file_read(const char *path, size_t limit, struct buffer *content, struct error *error);
 
-/* Callback that sees a file while it is read, so that an unwanted file is given up after its
- * beginning. */
+/* Callback that sees a file while it is read, and that can stop the reading of an unwanted file
+ * early. */
 struct read_watch {
     /* Argument of look(). */
     void *context;
@@ -33,9 +33,10 @@ struct read_watch {
     /* Time [ns] after which the reading of a pipe or a device fails, unless more than 64 kB have
      * arrived by then. 0 means that there is no such limit. */
     int64_t patience;
-    /* Set to true if the file grew while it was read; `content` then has its first length. */
+    /* Set to true by the reader if the file grew while it was read; `content` then has its length
+     * at the start. */
     bool grew;
-    bool endless; /* Set to true if the reading failed because of `patience`. */
+    bool endless; /* Set to true by the reader if it failed because of `patience`. */
 };
 
 /* Path by which file_read() reads standard input. */
@@ -46,7 +47,8 @@ bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
                        struct buffer *content, struct error *error);
 
 #define STRAY_NAME_SIZE 256 /* Size [byte] of a hidden temporary name with its NUL. */
-/* Marks in hidden names: of a file that will replace another, and of one that will be removed. */
+/* Values of `mark` below: STRAY_NEW for a file that will replace another or be new, STRAY_OLD for
+ * one that has been replaced and will be removed. */
 enum { STRAY_NEW = '.', STRAY_OLD = '~' };
 
 /* Makes the name of a temporary file: ".hooke-", a random number, `mark`, and as much of `base` as

@@ -8,8 +8,9 @@
 struct folder;
 struct writer;
 
-/* Opens a new file of a folder that folder_open() has opened. Append with writer_put(), and end
- * with writer_commit() before folder_commit(). Returns false with `error` set if the file cannot be
- * created or if out of memory. */
+/* Opens the file `name`, which must be new, in a folder that folder_open() has opened, and
+ * sets *file to its writer. Append with writer_put(), and end with writer_commit() before
+ * folder_commit(). Returns false with `error` set if the file cannot be created or if out of
+ * memory. */
 bool folder_file_open(const struct folder *folder, const char *name, struct writer *file,
                       struct error *error);

@@ -11,16 +11,17 @@ struct library {
     void *handle; /* Handle of dlopen(), or NULL if it is not loaded. */
 };
 
-/* A function to look up, and the position of its pointer in a struct of function pointers. */
+/* A function to look up, and where library_load() stores its pointer. */
 struct library_symbol {
     /* Name of the function in the library. */
     const char *name;
-    size_t offset; /* Offset [byte] of the function pointer in the table. */
+    size_t offset; /* Offset [byte] of its pointer in the struct `table` of library_load(). */
 };
 
-/* Loads the shared library `name` (as for dlopen) and stores pointers to `count` functions in
- * `table`, a struct of the caller. Returns false if the library cannot be loaded (*missing is NULL)
- * or lacks the function *missing. Memory is allocated by the dynamic linker alone. */
+/* Loads the shared library `name` (as for dlopen) and stores the pointers to the functions symbol
+ * [count] in `table`, a struct of the caller with a member for each. Returns false if the library
+ * cannot be loaded (*missing is then NULL) or does not have the function *missing. Memory is
+ * allocated by the dynamic linker alone. */
 bool library_load(struct library *library, const char *name, const struct library_symbol *symbol,
                   size_t count, void *table, const char **missing);
 /* Closes the library. Its code stays in memory, because some libraries keep caches that a second

@@ -18,9 +18,10 @@ struct cancel;
 #define BISQUARE_TUNING 4.685
 
 /* Attribute of functions that are compiled once for each set of vector instructions; the best one
- * that the machine has is chosen at the start of the program, and all give the same bits. Empty
- * without optimisation, because functions that pass vectors are then called instead of inlined, and
- * each set of instructions passes vectors differently. */
+ * that the machine has is chosen at the start of the program, and all give the same bits. It is
+ * empty without optimisation, because functions that pass vectors are then called instead of
+ * inlined, and each set of instructions passes vectors differently. CLONES_FOR takes the names of
+ * the sets; CLONES is the usual choice. */
 #if defined(__x86_64__) && defined(__OPTIMIZE__) && !defined(__clang__) &&                         \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
 #define CLONES_FOR(...) __attribute__((target_clones("default", __VA_ARGS__)))
@@ -47,9 +48,9 @@ static inline int64_t int64_min(int64_t a, int64_t b)
     return a < b ? a : b;
 }
 
-/* Returns the quantile `share` (0 to 1) of values [n]: the element at that fraction of their order,
- * rounded to the nearest index, so that 0.5 gives the median (the upper one for an even n).
- * Reorders the values, none of which may be NAN. Returns NAN if n is 0. */
+/* Returns the quantile `share` (0 to 1) of values [n]: the element at that fraction of their
+ * ascending order, rounded to the nearest index, so that 0.5 gives the median (the upper one for an
+ * even n). Reorders the values, none of which may be NAN. Returns NAN if n is 0. */
 double values_quantile(double *values, size_t n, double share);
 /* Sorts values [n] in ascending order; none may be NAN. scratch [n] is work memory. Returns false
  * if cancelled, with the values in any order or lost; cancel may be NULL. */
@@ -77,7 +78,8 @@ static inline double hermite(double theta, double h, double y0, double f0, doubl
  * larger than the fraction `independent` of its diagonal element (1e-14 allows for rounding only).
  */
 bool matrix_cholesky(int n, int width, const double *a, double independent, double *l);
-void cholesky_forward(int n, int width, const double *l, double *x); /* Replaces x [n] by L^-1 x. */
+/* Replaces x [n] by L^-1 x; `l` and `width` are those of matrix_cholesky(). */
+void cholesky_forward(int n, int width, const double *l, double *x);
 /* Replaces x [n] by L^-T x. */
 void cholesky_backward(int n, int width, const double *l, double *x);
 

@@ -31,9 +31,10 @@ uint32_t text_codepoint(struct text text, size_t *used);
 int codepoint_width(uint32_t codepoint);
 int text_width(struct text text); /* Returns the number of terminal columns of a text. */
 /* Returns the longest beginning of a line that fits into `width` columns and ends after a whole
- * item (items end at commas, colons, bars or double blanks), or after a whole word if items would
- * leave less than half of the width. Sets *cut to true if something is left out; the result is then
- * short enough for a blank and a mark behind it. */
+ * item (items end at commas, colons, bars or double blanks); if that leaves less than half of
+ * the width, one that ends after a whole word or, in a line without blanks, after a character.
+ * Sets *cut to true if it ends inside an item: the result then leaves room for an ellipsis.
+ * Otherwise *cut is false, even if whole items are left out. */
 struct text text_in_room(struct text text, int width, bool *cut);
 /* Appends a text broken between words into lines of at most `width` columns, without a newline at
  * the end. */

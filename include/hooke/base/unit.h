@@ -11,7 +11,8 @@ struct unit {
     struct row row; /* Name ("cm"); its unit is the SI unit ("m"). */
     /* Quantity that the unit measures. */
     enum quantity quantity;
-    /* SI value = number * factor but for rounding; unit_convert() is exact for decimal factors. */
+    /* SI value = number * factor, up to rounding; unit_convert() rounds correctly for decimal
+     * factors. */
     double factor;
     /* Use of the unit for display. */
     enum unit_use {

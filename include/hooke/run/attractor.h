@@ -20,28 +20,31 @@ enum basin_kind {
     BASIN_IRREGULAR /* Does not repeat. */
 };
 
-/* An attractor, and the number of starts that lead to it. */
+/* An attractor together with the number of starts that lead to it, which measures the size of its
+ * basin of attraction. */
 struct basin {
     enum basin_kind kind;
     double state[ATTRACTOR_VARIABLES]; /* A state on it [SI]. */
     double period; /* Period [s]; 0 for an equilibrium, NAN if the motion does not repeat. */
-    int multiple;  /* Period as a multiple of the drive's. */
+    int multiple;  /* Number of drive periods after which a BASIN_RESPONSE repeats. */
     /* Measure of stability. For a periodic motion the largest modulus of a Floquet multiplier other
      * than the trivial one; for an equilibrium the largest real part of an eigenvalue [1/s]. NAN if
      * unknown. */
     double growth;
-    bool stable;   /* Small deviations decay. */
-    int64_t count; /* Number of starts that end there. */
+    bool stable; /* Small deviations decay. */
+    /* Number of starts whose motion ends on this attractor; find_attractor() leaves it at 0. */
+    int64_t count;
 };
 
 /* Result of find_attractor() for a motion that does not repeat. */
 #define ATTRACTOR_IRREGULAR (-1)
 
-/* Finds the attractor that the motion from the scene's own start reaches, and returns a number for
- * it: 0 for an equilibrium, 1 for a closed orbit; with a drive the number of drive periods after
- * which the response repeats; ATTRACTOR_IRREGULAR if it has not repeated within 1000 comparisons;
- * NAN if it escapes, if nothing attracts it, if the search was cancelled or could not begin. Unless
- * `basin` is NULL, a search that began fills *basin but for its count, or with BASIN_IRREGULAR and
- * zeros if it found nothing. `cancel` may be NULL. */
+/* Finds the attractor that the motion from the initial state of the scene reaches, and returns a
+ * number for it: 0 for an equilibrium; 1 for a closed orbit; with a drive, the number of drive
+ * periods after which the response repeats; ATTRACTOR_IRREGULAR if the motion has not repeated
+ * after 1000 comparisons of its state with earlier ones; NAN if the motion escapes, if no attractor
+ * was found, if the search was cancelled or could not begin. Unless `basin` is NULL, a search that
+ * began fills *basin, whose kind is BASIN_IRREGULAR, with zeros in all other members, if no
+ * attractor was found. `cancel` may be NULL. */
 typedef double find_attractor(const struct scene *scene, const struct cancel *cancel,
                               struct basin *basin);

@@ -21,12 +21,15 @@ struct sample { /* One row of a run, or its current state, as the argument of an
     /* Time [s]. */
     double t;
     const double *y; /* State [n]. */
-    /* [J] work of non-conservative forces since the start; with NEED_WORK. */
+    /* Work [J] of non-conservative forces since the start; set only for observables with NEED_WORK.
+     */
     double work;
-    double dissipated;   /* [J] energy that drag has removed, >= 0 for real drag; with NEED_WORK. */
-    double initial;      /* [J] energy at the start; with NEED_WORK. */
-    const double *exact; /* Exact state [n]; with NEED_EXACT. */
-    const struct system *system; /* System in force on the step to this state. */
+    /* Energy [J] that drag has removed, >= 0 for real drag; only with NEED_WORK. */
+    double dissipated;
+    double initial;      /* Energy [J] at the start; only with NEED_WORK. */
+    const double *exact; /* Exact state [n] at t; only with NEED_EXACT. */
+    /* System (with the parameters of that time) on the step that led to this state. */
+    const struct system *system;
 };
 
 /* Requirements of an observable, combined by |. */
@@ -34,14 +37,17 @@ enum observable_need {
     NEED_EXACT = 1,     /* A closed-form solution. */
     NEED_WORK = 2,      /* The work since the start. */
     NEED_MECHANICS = 4, /* A second-order scene: mass, forces, energy. */
-    /* A linear oscillation about an equilibrium: oscillator.whole, stiffness > 0. */
+    /* A linear oscillation about an equilibrium: a linear spring with stiffness > 0, and no other
+     * force than those of struct oscillator. */
     NEED_CENTRE = 8,
     NEED_LINE = 64, /* One coordinate, in metres. */
-    /* A scene that is not conservative: otherwise it is 0, and lists may leave it out. */
+    /* A scene that is not conservative. In conservative ones the observable is 0, and lists may
+     * leave it out. */
     NEED_POWER = 32,
-    NEED_ENERGY = 128, /* An energy that is known (struct system). */
-    /* It is a ratio of energies: states, work and energies are scaled so that squares remain in the
-     * range of doubles. */
+    /* A system whose potential energy is known (member `energy` of struct system). */
+    NEED_ENERGY = 128,
+    /* The observable is a ratio of energies: before it is computed, states, work and energies are
+     * multiplied by a common scale, so that their squares remain in the range of doubles. */
     NEED_RATIO = 16,
 };
 
@@ -50,7 +56,8 @@ struct observable {
     /* Name (t, y, v, a, energy, kinetic, potential, dissipated, power, error, phase-error, …), SI
      * unit, description, source. */
     struct row row;
-    /* Quantity for the oscillator; observable_quantity() gives that for a scene. */
+    /* Quantity in scenes of the oscillator; observable_quantity() returns the one for any system.
+     */
     enum quantity quantity;
     /* Flags of enum observable_need. */
     unsigned needs;
@@ -72,10 +79,11 @@ const struct observable *observable_from(const struct row *row);
  * quantity but time is a number. */
 enum quantity observable_quantity(const struct observable *observable, const struct system *system);
 const char *observable_unit(const struct observable *observable, const struct system *system);
-/* Returns true if the observable is defined for this system. */
+/* Returns true if the observable is defined for this system; exact_known tells that the exact
+ * solution is available. */
 bool observable_defined(const struct observable *observable, const struct system *system,
                         bool exact_known);
-/* Returns the observable energy, or kinetic if that is all that is known. */
+/* Returns the observable `energy`, or `kinetic` if only the kinetic energy is known. */
 const struct observable *observable_energy(const struct system *system);
 
 /* Finds the equilibrium [m] about which the free motion of a linear oscillator swings. Returns
@@ -87,29 +95,30 @@ bool run_column(const struct run *run, const struct observable *observable, doub
                 struct error *error);
 /* Copies state variable i (0 … n - 1) of all rows of the trace to values [trace_count]. */
 void run_variable_column(const struct run *run, int i, double *values);
-/* Computes observed quantity i of a typed scene for all rows into values [trace_count]; and returns
- * it at the current state. */
+/* Return the values of observed quantity i (an `observe` line) of a typed scene:
+ * run_observed_column() for all rows, in values [trace_count]; run_observed() at the current state.
+ */
 void run_observed_column(const struct run *run, int i, double *values);
 double run_observed(const struct run *run, int i);
 /* Returns the observable at the run's current state, or NAN if it is not defined. */
 double run_observable(const struct run *run, const struct observable *observable);
-/* Makes *scope the names for expressions at the run's current state: state variables, then observed
- * quantities, then observables (energy-error is also energy_error), with slots from 0 to
- * run_scope_slots() - 1. A caller that has more names wraps find, load and offer. Returns false if
- * `run` is NULL. */
+/* Makes *scope the scope of names for expressions at the run's current state: state variables,
+ * then observed quantities, then observables (energy-error is also energy_error), with slots from
+ * 0 to run_scope_slots() - 1. A caller that has more names wraps the callbacks find, load and
+ * offer of *scope. Returns false if `run` is NULL. */
 bool run_scope(const struct run *run, struct expr_scope *scope);
 int run_scope_slots(const struct run *run);
 
-/* Kind of a slot of that scope: the time, a state variable, or a function of them. */
+/* Kind of a slot of run_scope(): the time, a state variable, or any other function of them. */
 enum moving_kind { MOVING_TIME, MOVING_STATE, MOVING_OTHER };
 
-/* A slot of that scope by its kind. */
+/* A slot of run_scope(), described by its kind. */
 struct moving {
     enum moving_kind kind;
-    int index; /* Index of the state variable, or the slot. */
+    int index; /* Index of the state variable for MOVING_STATE, 0 for MOVING_TIME, else the slot. */
 };
 
-/* Returns the kind of a slot. */
+/* Returns kind and index of a slot of run_scope(). */
 struct moving run_scope_moving(const struct run *run, int slot);
 /* Returns the largest speed of the first coordinate in the rows from t_begin to t_end [s]. Only for
  * second-order scenes. */
@@ -117,43 +126,47 @@ double run_speed_max(const struct run *run, double t_begin, double t_end);
 
 /* The energy balance (ledger): the largest |E - E0 - W|/E0 after any step, recorded or not, where W
  * is the work since the start of drag and drive (0 for conservative scenes, for which it is not
- * computed), of jumps, and of changes of parameters. Per step W is the integral of the power along
- * the quintic Hermite interpolant of both states. It is summed up on demand, from where the last
- * demand ended; steps without rows are taken once more, or, if that is not possible, summed up
- * during the run. If E0 = 0 the unit is the largest |E| so far. The balance is NAN if that is 0,
- * too, for first-order scenes, and if settings.unbalanced has left it out. */
+ * computed), of jumps, and of changes of parameters. In each step W is the integral of the power
+ * along the quintic Hermite interpolant of both states. run_ledger() sums W up from the step at
+ * which its last call ended; steps without rows are computed again or, where that is not possible,
+ * their work is added during the run. If E0 = 0 the largest |E| so far replaces it as the unit. The
+ * balance is NAN if that is 0, too, for first-order scenes, and if settings.unbalanced has switched
+ * it off. */
 struct ledger {
     double initial;   /* Energy E0 [J] at the start. */
     double final;     /* Energy E [J] at the end. */
     double work;      /* Work W [J] at the end. */
     double error;     /* (E - E0 - W)/E0 at the end */
-    double error_max; /* Largest magnitude of that so far. */
-    double factor;    /* E/E0 at the end, also if both are below the smallest double. */
+    double error_max; /* Largest magnitude of `error` at any time so far. */
+    double factor;    /* E/E0 at the end, also if both energies are too small for a double. */
 };
 /* Computes the balance of a run. */
 void run_ledger(const struct run *run, struct ledger *ledger);
-/* Does the same for short runs. For longer ones work and error are NAN, and error_max is the
- * largest in a sample of rows if no work is done, else NAN. */
+/* Does the same in bounded time. Short runs get the full balance; for longer ones work and error
+ * are NAN, and error_max is the largest in a sample of rows if no work is done, else NAN. */
 void run_ledger_brief(const struct run *run, struct ledger *ledger);
 /* Returns true if the method, not the scene, has made the energy grow more than a hundredfold. */
 bool run_is_unstable(const struct run *run);
-/* Returns the status of a run in one word: "unstable" for such a run, else that of its stop. */
+/* Returns the status of a run in one word: "unstable" if run_is_unstable(), else the word for the
+ * reason of its last stop (run->stop). */
 const char *run_status(const struct run *run);
 /* Returns the ratio of the largest energy of a row to that at the start, if the motion went through
- * far larger energies than at its start and end; otherwise NAN. An error "of E0" has to be compared
- * with this ratio. Passes over all rows. */
+ * far larger energies than at its start and end; otherwise NAN. A ledger error in units of E0 has
+ * to be compared with this ratio. Reads all rows. */
 double run_energy_peak(const struct run *run, const struct ledger *ledger);
 
-/* Errors against the exact solution over the recorded rows, in units of the amplitude max
- * |y_exact|; all NAN if it is not known. With several coordinates, and in first-order scenes, the
- * largest of the variables, each in units of its own amplitude. */
+/* Errors against the exact solution over the recorded rows, in units of the amplitude
+ * max |y_exact|; all NAN if no exact solution is known. With several coordinates, and in
+ * first-order scenes, each error is the largest of those of the variables, each in units
+ * of its own amplitude. */
 struct run_errors {
     double end; /* Error at the end. */
     double max; /* Largest error of a row. */
-    /* [rad] phase of the numerical minus that of the exact oscillation at the end; NAN unless the
+    /* Phase [rad] of the numerical minus that of the exact oscillation at the end; NAN unless the
      * scene is a linear oscillation. */
     double phase;
     double amplitude; /* Relative error of the amplitude at the end. */
     double floor;     /* Error of the exact solution itself, see system_exact(). */
 };
+/* Computes the errors of a run. */
 void run_errors(const struct run *run, struct run_errors *errors);

@@ -27,7 +27,7 @@ struct parallel {
 /* Returns the number of threads, at least 1, that parallel_do() uses at most for `count` items. */
 int parallel_threads(const struct parallel *parallel, int64_t count);
 
-/* Does the items 0 to count - 1 and returns when all threads have ended; in the calling thread if
- * no thread can be created. Returns the number of threads. Some items are not done if it is
- * cancelled. */
+/* Does the items 0 to count - 1, in the calling thread if no thread can be created, and returns
+ * when all threads have ended. Returns the number of threads that it used. If parallel->cancel
+ * stops the work, some items are not done. */
 int parallel_do(const struct parallel *parallel, int64_t count);

@@ -13,15 +13,20 @@ struct cancel;
 struct run_work {
     /* Number of steps. */
     double steps;
-    double evals; /* Number of evaluations and Jacobians of the whole run, each counted as one. */
-    double force_evals; /* Number of evaluations alone. */
+    /* Number of evaluations of the equations and of Jacobians in the whole run, each counted as
+     * one. */
+    double evals;
+    double force_evals; /* Number of evaluations of the equations alone, without Jacobians. */
     bool failed;        /* No step of the trial succeeded. */
     int64_t tried;      /* Number of steps of the trial, 0 if none was made. */
-    bool whole;         /* The trial reached the end of the run. */
-    /* Number of evaluations of the second solution, and of solutions that follow variables at rest.
-     */
+    /* The trial reached the end of the run, or stopped by itself, so that its counts are those of
+     * the run. */
+    bool whole;
+    /* Number of evaluations of the second solution (for the estimated error), and of the solutions
+     * that follow the errors of variables that have come to rest. */
     double second_evals, rest_evals;
-    double second_rows; /* Number of rows that are compared with the closed form. */
+    /* Number of rows that are compared with the closed form in place of a second solution. */
+    double second_rows;
     /* Method of the second solution, or NULL. */
     const struct method *second;
 };
@@ -33,8 +38,9 @@ struct run_scenario {
     const struct method *method;
     const struct run_settings *settings;
     const struct plan *plan;
-    double span; /* [s] infinite if the run has no end */
-    /* 0 without a second solution, 1 with one within its budget, 2 with one to the end. */
+    double span; /* Duration [s] of the run; infinite if it has no end. */
+    /* Effort for the estimated error: 0 for none, 1 for a second solution within its budget, 2 for
+     * one to the end of the run. */
     int opinion;
     /* Events are searched for. */
     bool events;

@@ -4,6 +4,6 @@
 
 #include <hooke/method.h>
 
-/* Returns the largest dt [s] that method_fits() accepts: HUGE_VAL if it accepts every dt, 0 if
- * none. */
+/* Returns the largest dt [s] that method_fits() accepts for this system, method and treatment of
+ * drag: HUGE_VAL if it accepts every dt, 0 if it accepts none. */
 double plan_step_limit(const struct system *system, const struct method *method, enum drag drag);

@@ -6,11 +6,11 @@
 #include <hooke/base/fields.h>
 #include <hooke/run.h>
 
-/* A piece of consecutive rows, as run_store_rows() has written them. */
+/* A piece of consecutive rows in the bytes that run_store_rows() wrote. */
 struct stored_rows {
     /* Index of the first row, number of rows, and bytes per row. */
     size_t first, count, row_bytes;
-    /* The bytes, owned by the caller. */
+    /* First byte of the first row; owned by the caller. */
     const char *cursor;
 };
 
@@ -22,15 +22,17 @@ size_t run_recorded(const struct run *run);
 size_t run_row_bytes(const struct run *run);
 /* Appends the rows first to first + count - 1. */
 void run_store_rows(const struct run *run, size_t first, size_t count, struct buffer *output);
-/* Returns the number of rows that are stored and unchanged since run_set_stored(); 0 at first. */
+/* Returns how many of the first rows are in the file and unchanged since run_set_stored(); 0 before
+ * its first call. */
 size_t run_rows_stored(const struct run *run);
-/* Notes that the first `rows` rows are stored. */
+/* Notes that the first `rows` rows are in the file, so that run_rows_stored() returns this number
+ * until rows change. */
 void run_set_stored(struct run *run, size_t rows);
 /* Restores a run, bit for bit, so that it continues as it would have; only an external solver,
- * which has memory of its own, starts again. Nothing is computed again. `scene` is the scene at the
- * start, `places` has the indices of its parameters in the file, and piece [pieces] are all rows in
- * order. Returns NULL, with `error` set, if they are not a valid run; free the result by
- * run_destroy(). */
+ * which has memory of its own, starts afresh. Nothing is computed again. `scene` is the scene at
+ * the start, `fields` the bytes that run_store() wrote, `places` maps the scene's parameters to
+ * their indices in the file, and piece [pieces] are all rows in order. Returns NULL, with `error`
+ * set, if they are not a valid run; free the result by run_destroy(). */
 struct run *run_restore(const struct scene *scene, const struct method *method, struct text fields,
                         const struct field_places *places, const struct stored_rows *piece,
                         size_t pieces, struct error *error);

@@ -40,9 +40,9 @@ struct expr_scope {
     double (*load)(const void *context, int slot);
     /* Offers every known name to suggestion_offer(); may be NULL. */
     void (*offer)(const void *context, struct suggestion *suggestion);
-    /* Used by a scope that contains the names of a run. Returns the slot of a name in the run's own
-     * scope (run_scope), or -1 for a name that is constant during the run. NULL if slots are those
-     * of the run. */
+    /* Set by scopes that contain other names than those of a run: returns the slot that a name has
+     * in the run's own scope (run_scope()), or -1 for a name that is constant during the run. NULL
+     * if all slots are those of run_scope(). */
     int (*moving)(const void *context, int slot);
     /* Returns the quantity of a name, or QUANTITY_OTHER if unknown. If this is set, numbers and
      * parentheses may carry units; if it is NULL, an expression ends before a unit. */
@@ -62,15 +62,17 @@ extern const struct catalog function_catalog;
  * too large. */
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error);
-/* Returns the dimension of an expression with units. A unit belongs to the number or parenthesis
- * before it: y0 + 1 cm, 0.5*m + 50 g, (3 + 1) s. The value is in SI. */
+/* Returns the dimension of an expression. A unit in it belongs to the number or parenthesis before
+ * it: y0 + 1 cm, 0.5*m + 50 g, (3 + 1) s. The value of the expression is in SI units all the same.
+ */
 const struct dimension *expr_dimension(const struct expr *expr);
-/* Adds a hint about how the expression was read and how it could be meant (`1/30 s`). The text that
- * was compiled must still exist. Always returns false. */
+/* Adds to `error` a hint about how the expression was read and how the user may have meant it:
+ * `1/30 s` is read as 1/(30 s), and may have been meant as (1/30) s. The text that was compiled
+ * must still exist. Always returns false. */
 bool expr_hint_readings(const struct expr *expr, struct error *error);
-/* Checks both sides of a comparison. Replaces *right by an expression in the arena that converts
- * between Hz and rad/s if that is needed. Returns false, with `error` set, if the dimensions
- * differ. */
+/* Checks that both sides of a comparison have the same dimension. If one is in Hz and the other in
+ * rad/s, replaces *right by an expression in the arena that converts it. Returns false, with
+ * `error` set, if the dimensions differ or if out of memory. */
 bool expr_compare(const struct expr *left, const struct expr **right, struct arena *arena,
                   struct error *error);
 /* Returns the value in this scope, which must know the same names as the one of compilation.
@@ -94,61 +96,67 @@ struct jet {
     struct interval value, slope, bend;
 };
 
-/* Returns bounds of an expression that follow from those of its names, jet [slot], rounding
- * included (natural interval extension in forward mode; Moore 1966, Interval Analysis). At a jump
- * the slope is unbounded, at a corner the second derivative. */
+/* Returns bounds of an expression and of its derivatives from those of its names, jet [slot],
+ * rounding included (natural interval extension in forward mode; Moore 1966, Interval Analysis). At
+ * a jump of the expression its slope is unbounded, at a corner its second derivative. */
 struct jet expr_jet(const struct expr *expr, const struct jet *jet);
-/* Does the same with tighter bounds, over the arguments within `half` of a centre: centre [slot]
- * holds the bounds of the names at it. The value there and the bounds of the slope bound every
- * subexpression, too (mean value form, Moore 1966): t*t - 2*a*t + a*a becomes as narrow as (t -
+/* Does the same with tighter bounds for an interval of the argument that extends by `half` on each
+ * side of its centre; centre [slot] holds the bounds of the names at the centre alone. In every
+ * subexpression the value at the centre and the bounds of the slope give second bounds, of which
+ * the narrower are used (mean value form, Moore 1966): t*t - 2*a*t + a*a becomes as narrow as (t -
  * a)^2. */
 struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre,
                           double half);
 /* A search for all zeros of a function f(x) on an interval. Set the members up to `sign`, then call
- * roots_find(). Bounds of f prove that no zero is missed; where they do not decide within the
- * budget, `unsure` is set. */
+ * roots_find(). Bounds of f prove that no zero is missed; `unsure` is set where they cannot prove
+ * it within the budget. */
 struct root_search {
     void *context;
     /* Returns f(x). */
     double (*value)(void *context, double x);
     /* Returns bounds of f on [a, b]. */
     struct jet (*bounds)(void *context, double a, double b);
-    /* Receives the zeros in the order of x, with the sign of f behind each, or 0 if f only touches
-     * 0. Returns false to end the search. */
+    /* Receives each zero x in ascending order, with the sign of f just after it, or 0 if f touches
+     * 0 without changing its sign. Returns false to end the search. */
     bool (*found)(void *context, double x, int sign);
-    /* Returns true if f(x) counts as 0 within its errors; may be NULL. */
+    /* Returns true if f(x) is 0 within the errors of its computation; may be NULL. */
     bool (*touches)(void *context, double x);
     /* Extreme values of f whose magnitude is at most this are passed to touches(). */
     double touch_tolerance;
-    double min; /* Length of the smallest intervals into which the search divides. */
+    double min; /* Length of the shortest intervals: shorter ones are not divided further. */
     int budget; /* Number of calls of bounds() that are allowed, in addition to 64 for each zero. */
 
-    /* Sign of the last nonzero value of f. Set it to that before the interval; the search leaves it
-     * at that at the end. */
+    /* Sign of f, -1, 0 or 1. The caller sets the sign just before the interval, 0 if it is not
+     * known; the search leaves the sign of the last nonzero value in the interval. */
     int sign;
 
-    /* Number of calls of bounds(), and of zeros found: results. */
+    /* Numbers of calls of bounds() and of zeros found, results of the search. */
     int used, count;
-    bool unsure; /* Zeros beyond unsure_from may have been missed. */
+    bool unsure; /* Zeros at x > unsure_from may have been missed. */
     double unsure_from;
-    bool nonzero; /* Some value in the interval was not 0; never cleared. */
-    /* found() has ended the search; f has touched 0, last at last_touch. */
+    /* Some value in the interval was not 0; the search sets this and never clears it. */
+    bool nonzero;
+    /* found() has ended the search; f has touched 0 without changing its sign, the last time at
+     * last_touch. */
     bool stopped, touched;
     double last_touch;
 };
 
-/* Returns the zero between a and b, where f has the values fa and fb of different signs, to within
+/* Returns a zero between a and b, where f has the values fa and fb of different signs, to within
  * `min` (Chandrupatla 1997, Adv. Eng. Software 28:145: inverse quadratic interpolation or
- * bisection). At the returned x the value is 0 or has the sign of fb. */
+ * bisection). At the returned x the value is 0 or has the sign of fb. value(context, x) returns
+ * f(x). */
 double root_between(double (*value)(void *context, double x), void *context, double a, double fa,
                     double b, double fb, double min);
 
-/* Searches [a, b] for zeros; fa and fb are the values at its ends. */
+/* Searches [a, b] for zeros and calls roots->found() for each; fa and fb are the values of f at a
+ * and b. */
 void roots_find(struct root_search *roots, double a, double fa, double b, double fb);
 
-/* Returns a copy of the expression in the arena in which the names for which slot() returns >= 0
- * have those slots and all others are replaced by their current values in `scope`. Returns NULL if
- * out of memory. */
+/* Returns a copy of the expression, in the arena, for another scope and for fixed values of some
+ * names. slot(context, s) is called for each name, where s is its slot in `scope`: it returns the
+ * slot of the name in the new scope, or a value < 0 to replace the name by its current value.
+ * Returns NULL if out of memory. */
 const struct expr *expr_settle(const struct expr *expr, const struct expr_scope *scope,
                                int (*slot)(void *context, int slot), void *context,
                                struct arena *arena);
@@ -156,25 +164,28 @@ const struct expr *expr_settle(const struct expr *expr, const struct expr_scope 
 /*
  * ---- programs: compiled forms of expressions that are evaluated often ----
  *
- * A struct equations is a graph of several expressions in the same names, which are 0 to names - 1,
- * the slots of their scope. Common subexpressions are computed once, and derivatives can be added.
- * program_create() makes a program for some of its outputs, with some names replaced by values; it
- * takes microseconds, so that it is called again for other values. Then call program_prepare() once
- * for each frame of work memory, and program_eval(). A program has two forms with the same bits:
- * operations on the doubles of the frame and, where the machine allows it, machine code.
+ * A struct equations is a graph of several expressions in the same names, which have the numbers 0
+ * to names - 1, their slots in a scope. Each expression is an output, numbered from 0. Common
+ * subexpressions are computed once, and derivatives can be added. program_create() makes a program
+ * for some of its outputs, with some names replaced by values; it takes microseconds, so that it is
+ * called again for other values. Then call program_prepare() once for each frame of work memory,
+ * and program_eval(). A program has two forms with the same bits: operations on the doubles of the
+ * frame and, where the machine allows it, machine code.
  *
- * The result has the bits of expr_value() but for one rule of scenes: a term whose coefficient is 0
- * is absent. Its coefficient is 0 if a factor is the number 0 once the values are inserted (not a
- * variable that happens to be 0), or if a numerator is a replaced name that is 0. The term is then
- * 0 even if its other factors are infinite or NaN, and adding it does not even change the sign of a
- * zero. Observed quantities do not follow this rule.
+ * The result has the bits of expr_value(), except for one rule of scenes: a term whose coefficient
+ * is 0 is absent. Its coefficient is 0 if a factor is the number 0 once the values are inserted
+ * (not a variable that happens to be 0), or if a numerator is a replaced name that is 0. The term
+ * is then 0 even if its other factors are infinite or NaN, and adding it does not even change the
+ * sign of a zero. Observed quantities do not follow this rule.
  */
 
-/* largest number of operations of equations with their derivatives */
+/* Largest number of operations of one set of equations with their derivatives. */
 #define PROGRAM_SIZE (1 << 17)
 
-struct equations; /* expressions as a graph; created and owned by the caller */
-struct program;   /* immutable; several threads may use it, each with a frame */
+struct equations; /* Several expressions as a graph; created and owned by the caller. */
+/* A compiled form of some outputs; immutable, so that several threads may use it, each with a frame
+ * of its own. */
+struct program;
 
 /* Creates an empty set of equations in `names` names; free it by equations_destroy(). Returns NULL,
  * with `error` set, if out of memory. If a later call fails, nothing more can be added, and what
@@ -182,30 +193,32 @@ struct program;   /* immutable; several threads may use it, each with a frame */
 struct equations *equations_create(int names, struct error *error);
 /* Frees the equations; NULL is allowed. Programs made from them remain valid. */
 void equations_destroy(struct equations *equations);
-/* Defines a name as this expression of other names for all later calls. Returns false with `error`
- * set. */
+/* Defines name number `name` as an expression of other names, which replaces it in all expressions
+ * that are added later. Returns false with `error` set. */
 bool equations_let(struct equations *equations, int name, const struct expr *expr,
                    struct error *error);
 /* Adds an expression as the next output. Returns false with `error` set. */
 bool equations_add(struct equations *equations, const struct expr *expr, struct error *error);
-/* Adds as outputs the partial derivatives [count][names] of `count` outputs from `first` by the
- * names name [names]. Functions with branches (abs, sign, min, max, step, if, comparisons,
- * roundings) have the derivative of the current branch; that of abs is 0 at 0. Returns false with
- * `error` set. */
+/* Adds as outputs the partial derivatives [count][names] of the outputs first to first + count - 1
+ * with respect to the names whose numbers are name [names]. Functions with branches (abs, sign,
+ * min, max, step, if, comparisons, roundings) have the derivative of the current branch; that of
+ * abs is 0 at 0. Returns false with `error` set. */
 bool equations_derive(struct equations *equations, int first, int count, const int *name, int names,
                       struct error *error);
-/* Makes products in derivatives 0 from this call on if one factor is 0, even if the other is
- * infinite. The infinite slope of sqrt at 0, or that of a branch not taken, then does not affect
- * derivatives that do not depend on it. */
+/* Makes products in derivatives that are added after this call 0 if one factor is 0, even if the
+ * other is infinite. Then the infinite slope of sqrt at 0, or that of a branch not taken, does not
+ * affect derivatives that do not depend on it. */
 void equations_keep_limits(struct equations *equations);
-/* Chooses IEEE arithmetic without the rule of absent terms for programs that are created later. */
+/* Programs that are created after this call use plain IEEE arithmetic, without the rule of absent
+ * terms, if `exact` is true. */
 void equations_exact(struct equations *equations, bool exact);
 int equations_count(const struct equations *equations); /* Returns the number of outputs. */
 
-/* Compiles `count` >= 1 outputs from `first`. bound [names] tells which names are replaced by value
- * [names]; both may be NULL for none. With `native`, the program is machine code where possible.
- * The equations may be changed or destroyed afterwards. Free the program by program_destroy().
- * Returns NULL, with `error` set, if out of memory or if the program would be too large. */
+/* Compiles the outputs first to first + count - 1, count >= 1. Name i is replaced by value[i] if
+ * bound[i]; both arrays have [names] elements and may be NULL if no name is replaced. With
+ * `native`, the program is machine code where possible. The equations may be changed or destroyed
+ * afterwards. Free the program by program_destroy(). Returns NULL, with `error` set, if out of
+ * memory or if the program would be too large. */
 struct program *program_create(const struct equations *equations, int first, int count,
                                const bool *bound, const double *value, bool native,
                                struct error *error);
@@ -226,9 +239,9 @@ bool program_depends(const struct program *program, int first, int count, int na
 size_t program_frame(const struct program *program);
 /* Initialises a frame before the first program_eval() with it; does nothing for machine code. */
 void program_prepare(const struct program *program, double *frame);
-/* Computes output [count] from input [names], of which replaced names are not read. `input` may be
- * the frame itself; `output` must not overlap `input`. Returns the first output. Never allocates.
- */
+/* Computes output [count] from input [names], in which the values of replaced names are ignored;
+ * frame [program_frame()] is work memory. `input` may be the frame itself; `output` must not
+ * overlap `input`. Returns output[0]. Never allocates. */
 double program_eval(const struct program *program, const double *input, double *output,
                     double *frame);
 
@@ -236,11 +249,11 @@ double program_eval(const struct program *program, const double *input, double *
 struct leading {
     double first, second;
 };
-/* The function of a program, for kernels that call it directly. Names 0, 1 and 2 are arguments, so
- * that a state of two variables needs no memory; name i >= 3 is state[i - 1]; the names behind t
- * and the state (parameters of a typed term) are in `steady`. Outputs 0 and 1 are returned in
- * registers (the second is arbitrary if there is only one), further ones are stored in `output`.
- * Arrays that are not used may be NULL. */
+/* The function of a program, for kernels that call it directly. x0, x1 and x2 are the values of
+ * names 0, 1 and 2 (t and two variables, which so need no memory); further names of the state are
+ * in `state`, where state[i - 1] is name i; the names after the state (parameters of a typed term)
+ * are in `steady`. Outputs 0 and 1 are returned in registers (the second is arbitrary if there is
+ * only one), further ones are stored in `output`. Arrays that are not used may be NULL. */
 typedef struct leading program_function(const struct program *program, double x0, double x1,
                                         double x2, const double *state, const double *steady,
                                         double *output, double *frame);
@@ -248,7 +261,7 @@ typedef struct leading program_function(const struct program *program, double x0
 program_function *program_code(const struct program *program);
 
 /* A comparison, as in `run until y < 1 cm`: left < right if `less`, else left > right; with
- * equality if or_equal. */
+ * or_equal, <= or >=. */
 struct condition {
     const struct expr *left, *right;
     bool less, or_equal;
@@ -258,8 +271,8 @@ struct condition {
  * the arena's. Returns false with `error` set. */
 bool condition_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                        struct condition *condition, size_t *used, struct error *error);
-/* Returns left - right, or right - left if not `less`, so that the condition is true where the
- * value is < 0 (or <= 0). */
+/* Returns left - right if `less`, else right - left. The condition is true where this is < 0, or <=
+ * 0 with or_equal. */
 double condition_value(const struct condition *condition, const struct expr_scope *scope);
-/* Returns true if the condition is true for such a value. */
+/* Returns true if the condition is true for `value`, a result of condition_value(). */
 bool condition_holds(const struct condition *condition, double value);

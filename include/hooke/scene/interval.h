@@ -35,7 +35,8 @@ static inline double interval_middle(struct interval a)
     return a.lo + (a.hi - a.lo) / 2;
 }
 
-/* Returns [lo, hi], widened for rounding by at most `units` units in the last place. */
+/* Returns [lo, hi], widened on both sides by about `units` units in the last place, which covers
+ * rounding errors; the empty interval if lo or hi is NAN. */
 struct interval interval_wide(double lo, double hi, double units);
 /* Returns the smallest interval that contains both; an empty one is ignored. */
 struct interval interval_hull(struct interval a, struct interval b);

@@ -238,8 +238,8 @@ struct oscillator {
     double stiffness; /* [1/s^2] k/m, any sign */
     double damping;   /* [1/s] gamma */
     double quadratic; /* [1/m] C rho area / m */
-    /* [m/s^2] F/m of dry friction, at rest as much as is needed; when its direction is frozen it is
-     * part of gravity */
+    /* [m/s^2] F/m of dry friction: the acceleration while the body moves, and its largest value at
+     * rest. If the direction of the friction is frozen it is 0 here and part of `gravity`. */
     double friction;
     double gravity;      /* [m/s^2] */
     double drive;        /* [m/s^2] F0/m */
@@ -322,8 +322,8 @@ struct system {
     /* Number of switches, first those of typed equations, then that of dry friction. Each has
      * branches on which the system can be frozen (system_freeze()). */
     int switches;
-    /* The system is frozen on a branch that may have values where the equations have none; the
-     * system that is not frozen decides. */
+    /* Set in frozen systems whose frozen branch may have values at states where the equations have
+     * none: steps then also evaluate the system that is not frozen. */
     bool extended;
     bool dry; /* The last switch is that of dry friction, at v = 0. */
     /* Steps of fixed size end at switches, too. False if steps go across them, or if the system is
@@ -333,7 +333,9 @@ struct system {
      * system. */
     const struct sliding *sliding;
     bool kinks; /* n = 2, and some force is not smooth at v = 0 and not frozen there. */
-    bool steps_across_kinks; /* Methods take steps across such kinks, as in textbooks. */
+    /* Methods take steps across the kinks of `kinks` instead of ending a step there, as in
+     * textbooks. */
+    bool steps_across_kinks;
     double mass; /* [kg] or its equivalent in other models: the kinetic energy is mass v^2/2. */
     /* Ratio of each coordinate's mass to `mass` if typed masses differ; 0 stands for 1. */
     double ratio[LIMIT_VARIABLES / 2];
@@ -356,10 +358,12 @@ bool scene_bind_motion(const struct scene *scene, struct system *system, struct 
  * of 1 instead of those of a trial run, and the start is not checked. Returns false on an error. */
 bool scene_bind_rates(const struct scene *scene, struct system *system);
 
-/* Copies a system, without the unused part of its terms, which is most of its ten kilobytes. */
+/* Copies a system without the unused part of its array of terms, to save time: a struct system has
+ * ten kilobytes, most of them unused. */
 void system_copy(struct system *target, const struct system *source);
 
-/* Makes methods end steps at kinks, whatever scene.steps_across_kinks was. */
+/* Sets system->steps_across_kinks to false: methods end steps at kinks, whatever the scene had
+ * chosen. */
 void system_turn_at_kinks(struct system *system);
 
 /* Computes the accelerations a [n/2] of a second-order system at (t [s], y [n]). */
@@ -374,8 +378,9 @@ void system_force(const struct system *system, double t, const double *y, double
 /* Computes the accelerations of the terms that depend on velocity. */
 void system_drag(const struct system *system, double t, const double *y, double *a);
 /* Coefficients of the exact flow of v' = -gamma v - c |v| v over a step h (Hairer, Lubich, Wanner
- * 2006, II.5), computed once for many v: v -> v keep/(min + pull |v|). It keeps the sign of v and
- * is exact at v = 0. For h < 0 quadratic drag has a pole, beyond which the result is infinite. */
+ * 2006, II.5), computed once for many v: v becomes v keep/(min + pull |v|). The flow keeps the sign
+ * of v and is exact at v = 0. For h < 0 quadratic drag has a pole, beyond which the result is
+ * infinite. */
 struct drag_flow {
     double keep, min, pull;
 };
@@ -403,11 +408,12 @@ struct burst {
 };
 
 /* Finds the bursts between t[0] and t[1] [s]: short intervals in which a typed equation changes
- * faster than samples can show. The path between the states y_begin and y_end is taken as smooth,
- * and bounds of the equation decide. Each burst is shorter than 1/32 of the interval. Appends them
- * to burst [count], merges those that overlap, and returns the new count, at most `max`. With
- * `sure`, which warnings need, smooth forces never give one; otherwise some may be reported without
- * need, which only costs steps. */
+ * faster than samples can show. The motion between the states y_begin and y_end is assumed to be
+ * smooth, and bounds of the equation on each interval are compared with samples in it. Each burst
+ * is shorter than 1/32 of t[1] - t[0]. The array burst [max] holds `count` bursts already; a new
+ * one is merged with those that it overlaps, else appended, or dropped if the array is full. With
+ * `sure`, which warnings need, smooth forces never give a burst; otherwise some may be reported
+ * without need, which only costs steps. Returns the new count. */
 int system_bursts(const struct system *system, const double t[2], const double *y_begin,
                   const double *y_end, bool sure, struct burst *burst, int count, int max);
 
@@ -444,10 +450,11 @@ int model_state(const struct model *model, struct text name);
 
 /* Returns true if there is an exact solution. */
 bool system_has_exact(const struct system *system);
-/* Computes the state y [n] at t [s] of the solution that is start [n] at t0, before or after t0.
- * What exceeds the range of doubles is infinite. floor [n], or NULL, receives the change of the
- * result for a change of the coefficients by one ulp (in models with a closed form, of the start).
- * It is about eps omega |t - t0| times the amplitude, and errors below it mean nothing. */
+/* Computes the state y [n] at t [s] of the solution that has the state start [n] at t0; t may be
+ * before t0. Values that exceed the range of doubles are infinite. floor [n], which may be NULL,
+ * receives the change of the result for a change of the coefficients by one unit in the last place
+ * (in models with a closed form, of the start). It is about eps omega |t - t0| times the amplitude,
+ * and errors below it mean nothing. */
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
 struct exact_table; /* private to src/scene/model/exact.c */

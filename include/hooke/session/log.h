@@ -17,21 +17,23 @@ enum request_kind {
     REQUEST_GO,   /* Advance to a time, a step or a condition. */
     REQUEST_SET,  /* Change a parameter. */
     REQUEST_KICK, /* Change a variable of the state, as a step of its own. */
-    /* Go back by recorded rows. Only runs for which run_remembers() have such requests; for others
-     * the later requests are dropped. */
+    /* Go back by recorded rows. Only for runs of which going back has to be repeated: adaptive
+     * ones, those with rows at even times, and those for which run_remembers() is true. In other
+     * runs going back removes the requests that were made after the row. */
     REQUEST_BACK,
 };
 
-/* A request, linked to the one before it. Requests that several lists share do not change, so that
- * the run and all undo entries share their common beginning, and a new undo entry costs only a
- * reference. */
+/* A request, linked to the one before it. Several lists may share their first requests, which then
+ * do not change: the run and all undo entries share what they have in common, so that a new undo
+ * entry costs only a reference. */
 struct request {
     enum request_kind kind;
     int64_t start_step; /* Step of the run at which it was given. */
     double from_t;      /* Time [s] at which it was given. */
     /* Target time [s] of REQUEST_GO; T_UNREACHABLE with either sign if there is none. */
     double t;
-    /* Step at which REQUEST_GO ends, INT64_MAX if none; step to which REQUEST_BACK led. */
+    /* Step at which a REQUEST_GO ends, INT64_MAX if it has none; step to which a REQUEST_BACK went
+     * back. */
     int64_t end;
     char *condition; /* Condition of REQUEST_GO as typed, or NULL; owned. */
     int64_t met;     /* Step at which the condition became true; 0 if it did not. */
@@ -42,14 +44,15 @@ struct request {
     int64_t rows;  /* Number of rows of REQUEST_BACK. */
 
     /* Private to journal.c. */
-    int references, count; /* Number of owners of this request, and of requests up to it. */
-    bool backs;            /* One of them is a REQUEST_BACK. */
+    /* Number of owners of this request, and of requests from the first one to this one. */
+    int references, count;
+    bool backs; /* `count` requests include a REQUEST_BACK. */
     struct request *previous;
     const struct request *go; /* The latest REQUEST_GO before it. */
 };
 
-/* Adds a request to the run's journal. Returns false, with `error` set, if there are too many or if
- * out of memory. */
+/* Adds a request to the run's journal; `condition`, which may be empty, is copied as its condition.
+ * Returns false, with `error` set, if there are too many requests or if out of memory. */
 bool journal_add(struct run_slot *slot, struct request request, struct text condition,
                  struct error *error);
 void journal_drop(struct run_slot *slot); /* Removes the last request, which must exist. */
@@ -59,71 +62,75 @@ struct request *journal_retain(struct request *last);
 void journal_release(struct request *last);
 /* Returns the number of requests of the list, 0 for NULL. */
 int journal_count(const struct request *last);
-/* Sets *list to a new array of the requests from index `first` on, in order, and *count to their
- * number. The caller frees the array, not the requests. Returns false, with *count = 0, if out of
- * memory. */
+/* Sets *list to a new array of the requests of the list that ends at `last`, from index `first` (0
+ * for the first request) on, in order, and *count to their number. The caller frees the array, not
+ * the requests. Returns false, with *count = 0, if out of memory. */
 bool journal_list(const struct request *last, int first, const struct request ***list, int *count);
-/* Fills t with the times [s] of the latest changes of parameters, at most `max`, in order, without
- * those by events. Returns their number. */
+/* Fills t with the times [s] of the latest `max` changes of parameters at most, in the order of the
+ * requests, without changes by events. Returns their number. */
 int journal_changes(const struct request *last, double *t, int max);
-/* Returns the last REQUEST_GO up to this request, or NULL if there is none. */
+/* Returns the last REQUEST_GO of the list that ends at `last`, or NULL if there is none. */
 const struct request *journal_last_go(const struct request *last);
-/* Returns the last REQUEST_GO of the run, complete or not, or NULL if there is none. After a pause
- * or an event a part of it remains to be done. */
+/* Returns the last REQUEST_GO of the run, or NULL if there is none. After a pause or an event the
+ * run has not reached its target yet. */
 const struct request *journal_pending(const struct run_slot *slot);
-/* Returns the request of journal_pending(), which must exist, so that it may be changed: replaced
- * by a copy if it has other owners. Returns NULL, with `error` set and nothing changed, if out of
- * memory. */
+/* Returns the request of journal_pending(), which must exist, for the caller to change; if it has
+ * other owners, the run first gets a copy of its own. Returns NULL, with `error` set and nothing
+ * changed, if out of memory. */
 struct request *journal_edit_pending(struct run_slot *slot, struct error *error);
 /* Adds a request to continue to the target of the last REQUEST_GO after an event has stopped the
  * run; by_event tells that the event's commands, not `continue`, ask for it. Returns false, with
  * `error` set, if there are too many requests or if out of memory. */
 bool journal_go_on(struct run_slot *slot, bool by_event, struct error *error);
-/* Notes that the run was taken back by `rows` rows from step old_step at time before_t [s]. Returns
- * false, with `error` set, if out of memory. */
+/* Notes in the journal that the run, which was at step old_step and time before_t [s], went back by
+ * `rows` rows to its current state. Returns false, with `error` set, if out of memory. */
 bool journal_back(struct run_slot *slot, int64_t old_step, double before_t, int64_t rows,
                   struct error *error);
-/* Sets *scene to the scene of the run with the parameters now in force: those of the start and all
- * changes, with or without those by events. */
+/* Sets *scene to the scene of the run with its current parameters: those at its start and all later
+ * changes, of which changes by events count only with by_events. */
 void journal_scene(const struct run_slot *slot, bool by_events, struct scene *scene);
-/* Returns true if there is a request since index `first` that is not by an event. */
+/* Returns true if one of the requests from index `first` on was not made by an event. */
 bool journal_changed(const struct run_slot *slot, int first);
-/* Brings the run to the state at the end of the list that ends at `last`: step `steps` at time t
- * [s]. The list replaces the run's own, of which it may share the beginning. Returns false if out
- * of memory; the run then keeps its own. */
+/* Brings the run to the state, step `steps` at time t [s], that it had with the journal that ends
+ * at `last`. That journal, which may have its first requests in common with the run's own, replaces
+ * it. Returns false if out of memory; the run then keeps its own journal. */
 bool journal_restore(struct session *session, struct run_slot *slot, struct request *last,
                      int64_t steps, double t);
 /* Appends the change of a REQUEST_SET or REQUEST_KICK, such as "gamma 0.1 1/s". */
 void journal_put_change(const struct run *run, const struct request *request, struct buffer *text);
-/* Appends the commands that repeat all requests since index `first` and step first_step (0 and -1
- * for all of them): run, continue, change, back. `number` is the number of the run, or 0 for the
- * next one. With by_events the effects of the run's events are written, too; events that only stop
- * the run happen again by themselves. Returns false, with nothing appended, if a condition needs
- * names that no saved session knows, or if out of memory (text->failed). */
+/* Appends the commands run, continue, back and changes of parameters that repeat the requests from
+ * index `first` and step first_step on (0 and -1 for all of them). `number` is the number of the
+ * run in these commands, or 0 for the next new run. With by_events the effects of the run's events
+ * are written, too; events that only stop the run happen again by themselves. Returns false, with
+ * nothing appended, if a condition uses names that a saved session does not contain, or if out of
+ * memory (text->failed). */
 bool journal_write(const struct session *session, const struct run_slot *slot, int first,
                    int64_t first_step, int number, bool by_events, struct buffer *text);
 
 /* ---- the history of lines and statements, and the file of `record` (history.c) ---- */
 
-/* Adds a line that was read, by a statement that executes a file if `sourced`, and sets *index to
- * its entry. Returns false, with `error` set, if out of memory: then nothing of the line may be
- * executed. */
+/* Adds a line that was read to the history, and sets *index to the index of its entry. `sourced`
+ * tells that it comes from a file that a statement executes. Returns false, with `error` set, if
+ * out of memory: then nothing of the line may be executed. */
 bool history_line(struct session *session, struct text line, bool sourced, size_t *index,
                   struct error *error);
-/* Adds a statement of the line with entry `line`, whose text in memory is line_text and of which
- * `statement` is a slice, and sets *index to its entry. Entries of what it executes follow. Returns
- * false with `error` set. */
+/* Adds an entry for a statement that begins to be executed, and sets *index to its index; entries
+ * of lines that the statement executes follow. `line` is the index of the entry of its line,
+ * line_text that line in memory, and `statement` a slice of line_text. Returns false with `error`
+ * set. */
 bool history_begin(struct session *session, size_t line, struct text line_text,
                    struct text statement, size_t *index, struct error *error);
-/* Ends a statement. `full` is its text as a script needs it, whose last `output` bytes redirect the
- * result; session.history.happened, if not empty, replaces it. `flags` are added to those of the
- * entry. */
+/* Completes the entry of a statement that has ended. `full` is the statement as a script needs it,
+ * such as with names in full; its last `output` bytes redirect the result to a file. If the
+ * statement has described its effect as commands in session->history.happened, those commands
+ * replace `full`. `flags` (enum entry_flag) are added to those of the entry. */
 void history_end(struct session *session, size_t index, struct text full, size_t output,
                  unsigned flags);
 /* Frees the history and closes the file of `record`. */
 void history_free(struct session *session);
-/* Drops the oldest entries if there are more than twice LIMIT_HISTORY entries or LIMIT_HISTORY_TEXT
- * bytes, so that the limits remain. Not while a statement is executed. */
+/* Drops the oldest entries until the history has at most LIMIT_HISTORY entries and
+ * LIMIT_HISTORY_TEXT bytes; does nothing unless one of these is exceeded twofold. Must not be
+ * called while a statement is executed. */
 void history_trim(struct session *session);
 /* Returns the entry with this index, which is at least history.first. */
 struct entry *history_entry(const struct session *session, size_t index);
@@ -133,22 +140,27 @@ struct text history_text(const struct session *session, const struct entry *entr
  * `history` counts. */
 bool history_is_typed(const struct session *session, const struct entry *entry);
 
-/* Ways of reading the history. */
+/* Selections of statements from the history. */
 enum history_reading {
-    HISTORY_RECORD,   /* Statements that succeeded, as typed. */
+    /* Statements that succeeded, in the form that the file of `record` has; an executed file
+     * appears as the statement that executed it. */
+    HISTORY_RECORD,
     HISTORY_IN_FORCE, /* Those of HISTORY_RECORD without the ones that undo took back. */
-    /* Statements that led to the current state, with the content of executed files instead of
-     * these, without those that write files. */
+    /* Statements that led to the current state: statements of executed files replace those that
+     * executed them; statements that only wrote a file are left out. */
     HISTORY_SCRIPT,
 };
 
-/* Appends the statements from entry `first` on that are read in this way, one per line. */
+/* Appends the statements from entry `first` on that the selection `reading` includes, one per line.
+ */
 void history_put(const struct session *session, size_t first, enum history_reading reading,
                  struct buffer *text);
-/* Returns the number of the line of the script that contains a statement (both from 1) and sets
- * *line to its first line; returns 0 if the script does not contain it. */
+/* Returns the number of the line at which a statement begins in the script (HISTORY_SCRIPT of the
+ * whole history), and sets *line to this line. `statement` is its number in the history; both
+ * numbers count from 1. Returns 0 if the script does not contain the statement. */
 int history_script_line(const struct session *session, size_t statement, struct text *line);
-/* Returns true if one of the script's statements ends in an error, as it did in the session. */
+/* Returns true if a statement of the script (HISTORY_SCRIPT) failed, so that it will fail again
+ * when the script is executed. */
 bool history_fails(const struct session *session);
 /* Writes the label by which `undo` names a statement: its text as typed, shortened if necessary. */
 void history_label(const struct session *session, size_t index, char label[LIMIT_NAME + 1]);
@@ -176,16 +188,16 @@ void scene_kind_script(const struct scene *scene, struct buffer *text);
 /* One such field. */
 struct recording_field {
     struct field field; /* The member of struct recording. */
-    /* Appends the command that sets the field, if it needs one; NULL if the command refers to other
-     * recordings. */
+    /* Appends the command that sets the field; NULL if the field has none because that command
+     * refers to other recordings. */
     void (*save)(const struct recording *recording, struct buffer *text);
 };
 extern const struct recording_field recording_fields[RECORDING_FIELDS];
 
 /* ---- moving between snapshots: undo, redo, checkpoint, restore (undo.c) ---- */
 
-/* Goes one step back, or forward again, and writes the command that was undone or redone to
- * `label`. Returns false, with `error` set, if there is nothing to undo or if out of memory. */
+/* Undoes the last command (`back`) or redoes the one that was undone last, and writes its label to
+ * `label`. Returns false, with `error` set, if there is none or if out of memory. */
 bool undo_move(struct session *session, bool back, char label[LIMIT_NAME + 1], struct error *error);
 /* Makes a checkpoint with this name, in place of one of the same name. Returns false with `error`
  * set. */

@@ -25,7 +25,7 @@ extern const struct catalog layout_catalog;
 struct layout_row {
     struct row row;
     int width, height;   /* [cell] smallest screen with room for it */
-    enum layout smaller; /* Layout that is drawn on a smaller screen. */
+    enum layout smaller; /* Layout that is drawn instead on a screen that is smaller than this. */
 };
 
 /* Returns the row of a layout. */
@@ -48,24 +48,25 @@ struct cursors {
     bool shown;      /* The two cursors are on the plot. */
     bool plane;      /* A point is on the portrait instead. */
     double point[2]; /* Values [SI] of the horizontal and vertical variable at that point. */
-    bool on_data;    /* They are on the recording, else on the current run. */
+    bool on_data;    /* The cursors are on the current recording; otherwise on the current run. */
     int active;      /* Cursor that keys move, 0 for A, 1 for B. */
-    bool locked;     /* Both move together. */
+    bool locked;     /* Both cursors move together. */
     struct {
         bool set;
         double t, t_uncertainty, y; /* Time [s], its uncertainty [s], and value [SI]. */
-        int crossing;               /* Number of the up-crossing, 0 if it is not at one. */
-        double amplitude;           /* Amplitude of the motion there, NAN if unknown. */
+        /* Number of the upward zero crossing at which the cursor is, 0 if it is at none. */
+        int crossing;
+        double amplitude; /* Amplitude of the motion at the cursor, NAN if unknown. */
     } cursor[2];
     enum snap snap;
     double periods; /* Number of periods between A and B, NAN if unknown. */
-    /* Name of the run or recording on which they are: "run 2", "data swing3". */
+    /* Name of the run or recording on which the cursors are: "run 2", "data swing3". */
     char subject[LIMIT_NAME + 16];
-    size_t samples;         /* Number of its samples when they were placed. */
+    size_t samples;         /* Number of samples of the subject when the cursors were placed. */
     enum quantity quantity; /* Quantity of y. */
 };
 
-/* Largest number of trajectories of a portrait. */
+/* Largest number of trajectories that a portrait shows. */
 #define LIMIT_STARTS 16
 /* Largest number of variables of a scene that has a portrait. */
 #define STARTS_VARIABLES 7
@@ -78,13 +79,14 @@ struct view {
     bool full; /* The focused pane fills the screen. */
     /* Fixed ranges of the focused pane (time [s], values [SI]); NAN for automatic. */
     double x[2], y[2];
-    double window;               /* [s] span of the time axis; 0 for automatic */
-    double trail;                /* Number of periods of the phase plot; HUGE_VAL for all. */
-    int scroll;                  /* Number of rows by which the log is scrolled up. */
-    bool reading;                /* The log fills the screen. */
-    int found;                   /* Line that was found last, counted from the newest. */
-    char wanted[LIMIT_NAME + 1]; /* Text that was searched for. */
-    /* Topic of help that the last line has shown, or NULL. */
+    double window; /* [s] span of the time axis; 0 for automatic */
+    double trail;  /* Number of periods of the phase plot; HUGE_VAL for all. */
+    int scroll;    /* Number of rows by which the log is scrolled up. */
+    bool reading;  /* The log fills the screen. */
+    /* Index of the log line at which the last search stopped; 0 is the newest line. */
+    int found;
+    char wanted[LIMIT_NAME + 1]; /* Text of the last search in the log. */
+    /* Recipe that the last command has shown, which the key ! executes; NULL if there is none. */
     const char *recipe;
     /* The live view fills the plot, then begins a new page; otherwise it scrolls by cells. */
     bool paging;
@@ -104,19 +106,21 @@ struct log {
     /* [LIMIT_LOG] lines without newline and control characters; allocated with the first line. */
     char **line;
     int first, count;
-    uint64_t said; /* Number of lines so far, including those that were dropped. */
+    uint64_t said; /* Number of lines added so far, including those that were dropped. */
 };
 
 /* Adds one or more lines; they are dropped if out of memory. */
 void log_add(struct log *log, struct text text);
 /* Returns line i, counted from the newest (i = 0), or NULL if there is none. */
 const char *log_line(const struct log *log, int i);
-/* Returns the row of a line that begins at byte *offset, as it is shown in a pane of `width`
- * [cell]: whole words, unless one is longer than a row. Sets *indent to the number of blanks before
- * it, 0 in the first row, and moves *offset to the next row: line.len after the last. */
+/* Returns the row of a line that begins at byte *offset, as a pane of `width` cells shows it: whole
+ * words, unless a word is longer than a row. Sets *indent to the number of blanks shown before it,
+ * 0 in the first row, and moves *offset to the beginning of the next row, or to line.len after the
+ * last one. */
 struct text log_row(struct text line, size_t *offset, int width, int *indent);
-int log_rows(struct text line, int width); /* Returns the number of rows of a line, at least 1. */
-/* Returns the number of rows of the newest `lines` lines. */
+/* Returns the number of rows, at least 1, that a line needs in a pane of `width` cells. */
+int log_rows(struct text line, int width);
+/* Returns the number of rows that the newest `lines` lines need in a pane of `width` cells. */
 int log_rows_newest(const struct log *log, int lines, int width);
 /* Frees all lines. */
 void log_clear(struct log *log);

@@ -13,15 +13,15 @@ struct export;
 struct measured;
 struct unit;
 
-/* The functions. Those that return bool set `error` when they return false; memory of results is
- * the arena's. */
+/* The functions. Those that return bool and have a parameter `error` set it when they return false.
+ * Memory of results is that of `arena`. */
 struct series_tools {
     /* ---- any series ---- */
 
     /* Fills *overview with a description of the series before any fit. */
     void (*overview)(const struct series *series, struct arena *arena, struct overview *overview);
-    /* Finds the crossings of `level` [SI] and stores at most `capacity` of them. Returns their
-     * number, which may be larger. */
+    /* Finds the times at which the series crosses `level` [SI], and stores the first `capacity` of
+     * them. Returns their number, which may be larger. `overview` is that of the series. */
     size_t (*crossings)(const struct series *series, const struct overview *overview, double level,
                         struct crossing *crossings, size_t capacity);
     /* Returns the amplitude around a time t [s], or NAN if it is unknown. */
@@ -38,8 +38,8 @@ struct series_tools {
 
     /* Appends a description of the recording. */
     void (*describe)(const struct recording *recording, struct buffer *text);
-    /* Sets *half to the uncertainties that the file gives for these samples, or to NULL if it has
-     * none. Returns false if out of memory. */
+    /* Sets *half to the uncertainties [series->n] that the file gives for these samples, or to NULL
+     * if it gives none. Returns false if out of memory. */
     bool (*errors)(const struct recording *recording, const struct series *series,
                    struct arena *arena, const double **half);
     /* Computes velocities, and energies if `energy`, from positions; `series` is a part of the
@@ -53,36 +53,39 @@ struct series_tools {
     /* Computes the distance of a recording from a run. */
     void (*distance)(const struct run *run, struct recording *recording,
                      struct data_distance *distance);
-    /* Returns true if the adopted fit is one of this recording. */
+    /* Returns true if the fit that the user has adopted into the scene is a fit of this recording.
+     */
     bool (*is_fitted)(const struct session *session, const struct recording *recording);
-    /* Makes the table of `export FILE data` with the options COLUMN and every=. */
+    /* Makes the table of the command `export FILE data`; `column` and `every` are the values of its
+     * arguments COLUMN and every=. */
     bool (*table)(const struct session *session, const struct argument_value *column,
                   const struct argument_value *every, struct export *export, struct error *error);
 
     /* ---- the adopted fit ---- */
 
-    /* Add the confidence band of the adopted fit to the curves of the run: computed now, or as
-     * panes have stored it. */
+    /* Add the confidence band of the adopted fit to the curves of the run: draw_band() computes it,
+     * draw_stored_band() uses the band that panes have stored. */
     bool (*draw_band)(struct drawing *drawing);
     bool (*draw_stored_band)(struct drawing *drawing);
-    /* Adds the columns NAME_low and NAME_high of the band to the table of one run; `where` is the
-     * option as typed, for errors. */
+    /* Adds the columns NAME_low and NAME_high of the confidence band to the table of the run that
+     * `runs`, an argument of the command, chooses; it must be a single run. `where` is the option
+     * as typed, for errors. */
     bool (*export_band)(const struct session *session, const struct argument_value *runs,
                         struct text where, struct export *export, struct error *error);
 
     /* ---- arguments ---- */
 
-    /* Reads a unit in any spelling that headers of files use; *unit is NULL if it is none. Returns
-     * false if out of memory. */
+    /* Finds the unit that `text` spells, in any spelling that headers of data files use; *unit is
+     * NULL if it is no unit. Returns false if out of memory. */
     bool (*unit)(struct text text, struct arena *arena, const struct unit **unit);
-    /* Reads a formula that can be fitted at the beginning of a text and sets *used to its length
-     * [byte]. */
+    /* Checks that `text` begins with a formula that can be fitted, and sets *used to the length
+     * [byte] of the formula. */
     bool (*formula)(struct text text, struct arena *arena, size_t *used, struct error *error);
 };
 
 /* Returns the functions of this build, or NULL if it has none. */
 const struct series_tools *series_tools(void);
-/* Does the same; if there are none, sets an error at `word` that names the module to which `what`
- * ("--band", "data") belongs. */
+/* Does the same; if this build has none, sets an error at `word` that names the module which
+ * provides `what` ("--band", "data"). */
 const struct series_tools *series_tools_for(const char *what, struct text word,
                                             struct error *error);

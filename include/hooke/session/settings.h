@@ -38,29 +38,33 @@ enum view_choice {
     VIEW_SCROLL /* It scrolls by whole cells. */
 };
 
-/* Sums of fixed steps, plain or compensated (Kahan 1965). */
+/* Addition of increments to the state in fixed steps: plain, or with compensation for rounding
+ * errors (Kahan 1965). */
 enum sums { SUMS_PLAIN, SUMS_COMPENSATED };
 /* Steps end at turning points where a force has a kink, or go across. */
 enum turning { TURNING_ON, TURNING_OFF };
 /* Long output goes to a pager. */
 enum pager { PAGER_OFF, PAGER_ON };
-/* Effort for the estimated error of adaptive runs: up to a quarter of the run's work; up to its
- * end; the first, where a run without a correct digit is a warning instead of an error (chaos);
- * none. */
+/* Effort for the estimated error of adaptive runs. OPINIONS_AUTO allows a second solution up to a
+ * quarter of the run's work, OPINIONS_FULL one to the end of the run at any cost. OPINIONS_WARN is
+ * OPINIONS_AUTO with a warning instead of an error for a run without a correct digit (chaotic
+ * motion). OPINIONS_OFF allows none. */
 enum opinion_choice { OPINIONS_AUTO, OPINIONS_FULL, OPINIONS_WARN, OPINIONS_OFF };
 
-/* Values of all settings. Each row of settings.def defines a field, or a pair of fields. */
+/* Values of all settings. Each row of settings.def defines a member, or a pair of members. */
 struct settings {
 #define SETTING(type, field, ...) type field;
 #define SETTING_PAIR(type, field, second, ...) type field, second;
 #include "session/settings.def"
-    int of_modules[8]; /* Choices of the modules' settings, in the order of their list. */
-    /* The user has set it; otherwise it follows the scene (tol, duration) or is the default. */
+    /* Values of the modules' settings (indices of choices), in the order of their list. */
+    int of_modules[8];
+    /* The user has set dt, tol or duration. If not, tol and duration are those of the scene, and dt
+     * is the default. */
     bool dt_chosen, tol_chosen, duration_chosen;
 };
 
-/* Methods that use a setting, about which `set` tells the user: all, those with fixed steps, those
- * with a tolerance. */
+/* Methods to which a setting applies: all, those with fixed steps, or those with a tolerance. The
+ * command `set` tells the user if the current method ignores the setting. */
 enum setting_use { USE_ANY, USE_STEP, USE_TOLERANCE };
 
 /* A setting: a row of setting_catalog. */
@@ -68,23 +72,30 @@ struct setting {
     struct row row;
     /* Quantity of its value. */
     enum quantity quantity;
-    size_t offset, bytes; /* Offset and size [byte] of its field in struct settings. */
-    size_t chosen;        /* Offset of the bool that tells that the user has set it, or 0. */
+    size_t offset, bytes; /* Offset and size [byte] of its value in struct settings. */
+    /* Offset in struct settings of the bool that is true if the user has set the value, or 0 if
+     * there is no such bool. */
+    size_t chosen;
     /* Returns the value that follows from the scene while the user has not set it; NULL if the
      * default does not depend on the scene. */
     double (*natural)(const struct preset *preset);
-    bool plots; /* `show plot` shows it although it belongs to the experiment. */
+    /* `show plot` lists it among settings of the display, although it is not `display`. */
+    bool plots;
     enum setting_use use;
-    bool of_run; /* A run has its own copy. */
-    /* It concerns only the display: neither saved nor undone. */
+    bool of_run; /* The rows or steps of a run depend on it, so that each run has its own copy. */
+    /* It concerns only the display: undo does not change it, and saved sessions do not contain it.
+     */
     bool display;
-    bool typed; /* It can only be set at a prompt, not by a file, -c or a saved session. */
-    /* Choices, or NULL. Without parse() the field is an int, the index of a choice. */
+    /* It can be set only by a person at a prompt, not by a file, by option -c or by a saved
+     * session. */
+    bool typed;
+    /* Catalog of the choices, or NULL. The value is an int, the index of a choice, unless parse()
+     * is set. */
     const struct catalog *choices;
-    /* Bounds of a number, min < x <= max; max is 0 if it is not a number. */
+    /* Bounds of a number x, min < x <= max; max is 0 if the value is not a number. */
     double min, max;
-    /* Functions that read and write fields of other types, else NULL. parse() returns false with
-     * `error` set. */
+    /* Functions for values that are neither numbers nor plain choices, else NULL. parse() reads the
+     * value from the text `value`, or returns false with `error` set; show() appends the value. */
     bool (*parse)(struct settings *settings, struct text value, struct error *error);
     void (*show)(const struct settings *settings, struct buffer *text);
 };
@@ -95,15 +106,16 @@ extern const struct catalog setting_catalog;
 const struct setting *setting_by_name(struct text name);
 /* Returns setting i of the catalog. */
 const struct setting *setting_at(size_t i);
-/* Returns the index of the choice of a module's setting, which must be in this build. */
+/* Returns the value (index of a choice) of the setting `name` of a module, which must be in this
+ * build. */
 int setting_of_module(const struct settings *settings, const char *name);
 /* Returns the setting whose struct row this is; it must be in setting_catalog. */
 const struct setting *setting_from(const struct row *row);
 
-/* Returns true if both have the same value of the setting. */
+/* Returns true if the setting has the same value in a and b. */
 bool setting_same(const struct setting *setting, const struct settings *a,
                   const struct settings *b);
-/* Copies the value of one setting. */
+/* Copies the value of one setting from `source` to `target`. */
 void setting_copy(const struct setting *setting, const struct settings *source,
                   struct settings *target);
 /* Names of enum output_format, struct row at its index: text, csv, json. */
@@ -114,12 +126,13 @@ extern const struct catalog format_choice_catalog;
 
 /* ---- text of values ---- */
 
-/* Returns the choice that is set, or NULL if the value is not just a choice. */
+/* Returns the row of the choice that is set, or NULL if the setting has no choices or has parse(),
+ * so that its value is more than a choice. */
 const struct row *setting_choice(const struct setting *setting, const struct settings *settings);
-/* Appends the value for people. */
+/* Appends the value for people, numbers with the number of digits of the setting `digits`. */
 void setting_show(const struct setting *setting, const struct settings *settings,
                   struct buffer *text);
-/* Appends the value so that a command reads the same bits back. */
+/* Appends the value in a form from which the command `set` reads exactly the same value. */
 void setting_exact(const struct setting *setting, const struct settings *settings,
                    struct buffer *text);
 

@@ -6,31 +6,36 @@
 #include <hooke/base/fields.h>
 #include <hooke/session.h>
 
-/* largest number of stored results: a list of equilibria, orbits and branches */
+/* Largest number of stored results of studies: a list of equilibria, periodic orbits and branches.
+ */
 #define STORE_FOUND (1 + LIMIT_ORBITS + LIMIT_BRANCHES)
 
-/* Content of the file of a session so far, so that only changes are appended; all zeros for an
- * empty file. */
+/* Record of what the file of a session contains so far, by which saving appends only what has
+ * changed; all zeros for an empty file. */
 struct stored {
-    /* [runs] what the file contains of each run; private to the module `resume`. */
+    /* [runs] records of what the file contains of each run; owned, and private to the module
+     * `resume`. */
     struct stored_run *run;
     int runs, run_capacity;
     uint64_t recording[LIMIT_RECORDINGS]; /* [recordings] checksums of their files. */
     int recordings;
     uint64_t found_id[STORE_FOUND]; /* [found] identifiers of the stored results. */
     int found;
-    uint64_t content;     /* Checksum of the stored content of a file, or 0. */
-    size_t entries, text; /* Numbers of stored entries and bytes of session->history. */
-    uint64_t said;        /* Number of stored lines of session->log. */
-    uint64_t state;       /* Checksum of the last RECORD_STATE. */
-    uint64_t bytes;       /* Number of bytes written. */
-    int left_out;         /* Number of runs whose rows were left out for want of room. */
-    struct buffer record; /* Record that is being written, of which `sent` bytes are in the file. */
+    uint64_t content; /* Checksum of the content of another file that was stored last, or 0. */
+    /* Number of entries, and of bytes of text, of session->history that are stored. */
+    size_t entries, text;
+    uint64_t said;  /* Number of stored lines of session->log. */
+    uint64_t state; /* Checksum of the last RECORD_STATE. */
+    uint64_t bytes; /* Size [byte] of the session file. */
+    /* Number of runs whose rows are not stored, because the file would become too large. */
+    int left_out;
+    /* Record that is being written; its first `sent` bytes are in the file. */
+    struct buffer record;
     size_t sent;
-    bool unfinished; /* Saving was interrupted; the next call continues where this one ended. */
+    bool unfinished; /* Saving was interrupted; the next call continues from there. */
 };
 
-/* Kinds of records in a session file; a letter in the head of each record. */
+/* Kinds of records in a session file; the value is the letter with which each record begins. */
 enum record_kind {
     /* Content of another file. */
     RECORD_BYTES = 'D',
@@ -48,23 +53,27 @@ enum record_kind {
     RECORD_STATE = 'S',
 };
 
-/* Describes an array in a session or a module's part of one, which is stored as a field for each
- * element. */
+/* Describes an array, in a session or in the part of a module, for writing and reading; each
+ * element is stored as a field of its own. */
 struct store_array {
     /* Name of the field. */
     const char *name;
-    /* Offset of the array (or of the pointer to it), and size [byte] of an element. */
+    /* Offset [byte] of the array, or of the pointer to it, in the struct that contains it, and size
+     * [byte] of an element. */
     size_t offset, item;
-    size_t count; /* Offset of the int that counts the elements. */
-    int max;      /* Largest number of elements, or 0 if the array is allocated. */
+    size_t count; /* Offset [byte] in that struct of the int that is the number of elements. */
+    /* Largest number of elements of an array in the struct, or 0 for a pointer to an allocated
+     * array. */
+    int max;
     /* [members] fields of an element that are stored; others are 0 after reading. */
     const struct field *member;
     size_t members;
-    /* Returns true if an element that was read is valid in a session, beyond the checks of its
-     * fields; or NULL. */
+    /* Returns true if an element that was read is valid, for conditions that the ranges of its
+     * fields do not express; may be NULL. */
     bool (*sound)(const void *item);
 };
-/* Initialiser for the member `array` of struct `owner`, counted by its member `counted`. */
+/* Initialiser of a struct store_array for the member `array` of struct `owner`, whose elements the
+ * member `counted` counts. `limit` is its `max`; `members` is an array of struct field. */
 #define STORE_ARRAY(name, owner, array, counted, limit, members, sound)                            \
     {                                                                                              \
         name, offsetof(owner, array), sizeof *((owner *)0)->array, offsetof(owner, counted),       \
@@ -75,21 +84,24 @@ struct reader; /* <hooke/session/read.h> */
 
 /* Functions that the module `resume` provides to other modules. */
 struct store_tools {
-    /* Append an array, or a scene, as fields to a record; the array's offsets refer to `owner`. */
+    /* put_array() appends an array, put_scene() a scene as the field `name`, to a record; `owner`
+     * is the struct to which the offsets in `array` refer. */
     void (*put_array)(const struct store_array *array, const void *owner, struct buffer *output);
     void (*put_scene)(const struct scene *scene, const char *name, struct buffer *output);
-    /* Adds a remark for the user on what was read. */
+    /* Adds a remark to those that tell the user what could not be restored. */
     void (*note)(struct reader *reader, const char *format, ...) PRINTF_LIKE(2, 3);
-    /* Reads an array into `owner`, which is unchanged if an element cannot be read. */
+    /* Reads an array into `owner`; if an element cannot be read, the array is unchanged. */
     void (*array)(struct reader *reader, const struct store_array *array, void *owner);
-    /* Reads a scene, and the indices of its parameters in the file into *places, which may be NULL.
-     * Returns false with `error` set. */
+    /* Reads the scene in the field `name` of the record `text`, and sets *places, unless NULL, to
+     * the indices of the scene's parameters in arrays of the file. Returns false with `error` set.
+     */
     bool (*scene)(struct reader *reader, struct text text, const char *name, struct scene *scene,
                   struct field_places *places, struct error *error);
-    /* Moves the items of an array [PARAM_MAX], at most 8 bytes each, from their indices in the file
-     * to those of the program. */
+    /* Reorders array [PARAM_MAX], which has an item of `item` bytes (at most 8) for each parameter,
+     * from the order of the file to that of this program. */
     void (*move)(const struct field_places *places, void *array, size_t item);
-    /* Finds the content of another file by its checksum. Returns false if it is not stored. */
+    /* Sets *content to the content of another file that is stored in the session file and has the
+     * checksum `sum`. Returns false if it is not stored. */
     bool (*bytes)(const struct reader *reader, uint64_t sum, struct text *content);
 };
 /* Returns the functions. Only for functions of struct module_store, which the module `resume`
