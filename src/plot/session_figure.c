@@ -73,6 +73,7 @@ static bool find_model(struct drawing *d)
 
 /* ---- curves ---- */
 
+/* Returns a run's label in the arena: its name or method, with its number if that is not unique. */
 const char *drawing_run_label(const struct drawing *d, const struct run *run)
 {
     const char *name = run->name[0] ? run->name : run->method->row.name;
@@ -97,8 +98,7 @@ static bool draws_magnitude(const struct drawing *d)
     return kind_of(d)->log_label && d->request->log;
 }
 
-/* Computes y [rows->n], one curve at the chosen rows: column number `coordinate`, the observable of
- * the plot, or that coordinate, divided by d->omega0 (not 1 in scaled phase plots: v/omega0). */
+/* Sets y [rows->n] to the values of the plotted quantity, or of its `coordinate`, at these rows. */
 static bool vertical_values(struct drawing *d, const struct run *run, int coordinate,
                             const struct chosen_rows *rows, double *y)
 {
@@ -415,7 +415,7 @@ static bool gather_curves(struct drawing *d, const struct plot_row *row)
            error_set(error, ERROR_COMMAND, "nothing was recorded in this time window");
 }
 
-/* Sets names, units and what both axes share. */
+/* Sets names, units and scales of both axes. Returns false with d->error if out of memory. */
 static bool label_axes(const struct drawing *d, const struct plot_row *row,
                        const struct variable *x_variable, struct figure *figure)
 {

@@ -125,8 +125,9 @@ static void report_unmatched(struct check *check, const struct values *values, s
     buffer_free(&detail);
 }
 
-/* Compares the values.csv of the folder with that of the session: reports rows whose values
- * disagree and rows that only one of both has. */
+/* Compares values.csv of a hand-in, handed_text, with that of the repeated session: adds a
+ * difference to *check for each row that differs or is only in one of them, and for a table that
+ * cannot be read. */
 void check_values(struct check *check, struct text handed_text, struct text repeated_text)
 {
     struct table handed_table = {0}, repeated_table = {0};

@@ -14,8 +14,9 @@
 
 /* ---- steps ---- */
 
-/* Prints the current step with its number. Its command is printed only where there is no prompt
- * that offers it. Adds the record `lesson`. */
+/* Replies with the current step of the open lesson and its number, or that the lesson is finished,
+ * and the record `lesson`. The step's command is printed only where no prompt offers it for
+ * editing. */
 static void say_step(const struct session *session, struct reply *reply)
 {
     const struct lesson *lesson = session_lesson(session);
@@ -128,8 +129,9 @@ static bool is_loaded(const struct session *session, struct reply *reply)
     return true;
 }
 
-/* Draws the figures of question NUMBER as the report does, by running the commands that one would
- * type (`lab figure N`). Returns false with *error. */
+/* Executes `lab figure N [> FILE]`: draws the figures of question N as the report does, by running
+ * the plot commands that one would type, which are shown before their output. Returns false with
+ * *error if N is missing, the question has no figure, or a command fails. */
 static bool draw_question(struct session *session, const struct arguments *args,
                           struct reply *reply, struct error *error)
 {

@@ -300,9 +300,9 @@ static bool check_lines(struct text rest, struct error *error)
     return true;
 }
 
-/* Opens the lesson of that name, or from a file, with numbers chosen by `seed`. The text of a file
- * is made safe to print; an open lesson is replaced only if the new one has no error. Returns false
- * with *error. */
+/* Opens a lesson, a built-in one by its name or else the file `name`, and makes it the session's.
+ * `seed` chooses the numbers in it. Text of files is made safe to print. Returns false with *error,
+ * and the lesson that was open remains, if it cannot be read, has an invalid line or no steps. */
 bool lesson_open(struct session *session, struct text name, long seed, const struct arguments *args,
                  struct error *error)
 {

@@ -89,7 +89,9 @@ static bool read_file_name(struct parser *parser, struct text *file, struct erro
     return file->len > 0 || error_at(error, parser->rest, "--resume needs a file");
 }
 
-/* Reads one option that begins with --. Returns false with an error if it is unknown or invalid. */
+/* Reads one option of `sweep` that begins with -- into *request or *options; the parser's text is
+ * this option alone. --full is accepted without effect here. Returns false with an error if it is
+ * unknown or invalid. */
 static bool read_option(struct parser *parser, struct sweep_request *request,
                         struct sweep_options *options, struct error *error)
 {

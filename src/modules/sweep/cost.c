@@ -54,8 +54,9 @@ static bool take_sample(struct session *session, const struct sweep_request *req
     return ok;
 }
 
-/* Estimates time and size of a sweep from some of its points (`sweep ... --dry-run`), of which more
- * are taken until they need COST_SECONDS, and replies with them. Returns false with an error. */
+/* Executes `sweep ... --dry-run`: computes a sample of the sweep's points, in growing batches until
+ * about COST_SECONDS have been measured, and replies with the estimated time, bytes and shards of
+ * an hour. Returns false with *error if the shard is empty or a sample fails. */
 bool sweep_cost(struct session *session, const struct sweep_request *request, struct reply *reply,
                 struct error *error)
 {

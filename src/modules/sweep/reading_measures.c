@@ -271,9 +271,11 @@ static bool is_own_parameter(const struct scene *scene, struct text name)
            catalog_find(scene_params(scene), name);
 }
 
-/* Finds a name of an expression: a reduction, a measure or column at the end of the run, or a name
- * of the session. Sets *slot to the measure's number (plus SWEEP_MEASURES for the root of a mean),
- * or to 2 * SWEEP_MEASURES plus the session's slot. Returns false if the name is unknown. */
+/* Finds a name in an expression of a sweep and sets *slot: a reduction, a measure or a column at
+ * the end of the run (a slot of struct sweep_formula, below 2 * SWEEP_MEASURES), or a name that the
+ * session knows (its slot plus 2 * SWEEP_MEASURES). Measures are added to the request. context
+ * points to a struct formula_reader pointer. Returns false if the name is unknown or there is no
+ * room. */
 static bool formula_find(const void *context, struct text name, int *slot)
 {
     struct formula_reader *r = *(struct formula_reader *const *)context;

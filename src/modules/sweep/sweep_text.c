@@ -199,8 +199,8 @@ static void put_watched(const struct swept *swept, struct buffer *text)
                       model->variable[0].name, first, model->variable[1].name);
 }
 
-/* Appends what the number of an attractor denotes, how often it occurs, and at which point
- * first. */
+/* Appends a line that explains an attractor's number: its kind, at how many points it occurs and
+ * which is the first and, if known, its state and period. */
 static void put_attractor(const struct swept *swept, const struct sweep_attractor *a,
                           struct buffer *text)
 {

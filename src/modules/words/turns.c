@@ -164,10 +164,10 @@ static bool find_holes(const struct points *p, const double *x_crossing, size_t 
     return true;
 }
 
-/* Computes the period, the number of periods and their standard deviation (spread) from crossings
- * in ascending order: x_crossing[i + 2] - x_crossing[i] is a period, since every second crossing
- * has the same direction. Periods across gaps longer than `least`, and outliers, are left out. Sets
- * nothing if too many are irregular. Returns false if out of memory. */
+/* Sets reading->period, periods and spread from the crossings x_crossing [crossings] in ascending
+ * order, of which every second has the same direction, if most intervals are equal; otherwise
+ * leaves them unchanged. Intervals with a hole in the data longer than `least` are not counted.
+ * Returns false if out of memory. */
 static bool read_period(const struct points *p, const double *x_crossing, size_t crossings,
                         double least, struct arena *arena, struct curve_reading *reading)
 {

@@ -183,8 +183,8 @@ static void put_sets(const struct ode_scene *ode_scene, struct buffer *text)
                       safe_name(ode_scene->set[i], name));
 }
 
-/* Replies with a summary of the scene, the notes and warnings from reading it, and the record
- * "scene". */
+/* Replies with what was read from an XPPAUT file: how many variables, parameters and events it has,
+ * its method and duration, notes and warnings of the translation, and the record `scene`. */
 static void reply_from(const struct session *session, const struct ode_scene *ode_scene,
                        struct text file, struct reply *reply)
 {
@@ -231,8 +231,9 @@ static void reply_from(const struct session *session, const struct ode_scene *od
     reply_end(reply);
 }
 
-/* Reads a file and makes it the session's scene, with the values of `set` unless it is empty.
- * Returns false with an error, and leaves the session unchanged. */
+/* Reads an XPPAUT file and makes it the session's scene; `set` is the name of a set of values in
+ * the file, in any case, or empty. Replies with a summary. Returns false with an error, and leaves
+ * the session unchanged, if the file cannot be read or translated. */
 static bool ode_load(struct session *session, const struct arguments *args, struct text file,
                      struct text set, struct reply *reply, struct error *error)
 {

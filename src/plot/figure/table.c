@@ -81,8 +81,8 @@ static int group_index(const char *const *value, int *count, const char *group[G
     return (*count)++;
 }
 
-/* Returns the first column of texts with 2 to GROUPS_MAX different ones, which become group[0...],
- * or NULL if there is none. */
+/* Returns the first column of texts with 2 to GROUPS_MAX different ones, and sets group [*count] to
+ * these, in order of appearance. Returns NULL with *count = 1 if there is no such column. */
 static const struct table_column *find_groups(const struct table *table, int *count,
                                               const char *group[GROUPS_MAX])
 {

@@ -361,7 +361,10 @@ static bool improve_by_part(const struct fit_curve *curve, const struct series *
     return true;
 }
 
-/* Improves the start by a part of a long series, minimises, judges, and bootstraps if asked to. */
+/* Fits the curve to the series. A long series is fitted in part first, to improve the start.
+ * `options` may be NULL. On success *fit holds the values, their errors, residuals and weights (in
+ * the arena), with a bootstrap if the options ask for one and the fit converged. Returns false with
+ * *error otherwise. */
 bool curve_fit(const struct fit_curve *curve, const struct series *series, const double *start,
                const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
                struct error *error)

@@ -56,8 +56,10 @@ static bool find_constant(struct formula_names *n, struct text name, int *slot)
     return true;
 }
 
-/* Finds the slot of a name for the compiler; an unknown name becomes a new parameter. Returns false
- * if it cannot be one. Only known names may contain a hyphen: b1-b2 is a difference. */
+/* Finds the slot of a name for the compiler of fit formulas: t, a column, a parameter or a
+ * constant. An unknown name becomes a new parameter. Returns false if it cannot be one, with
+ * n->state set if there are too many or if out of memory. New names must not contain a hyphen,
+ * since b1-b2 is then a difference, nor be names of functions. */
 static bool formula_name_find(const void *context, struct text name, int *slot)
 {
     struct formula_names *n = ((const struct scope_context *)context)->names;

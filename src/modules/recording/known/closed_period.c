@@ -55,8 +55,10 @@ static double scaled_distance(const struct closed_run *c, const double *a, const
     return sqrt(sum);
 }
 
-/* Returns the time [s] from the state of row `base` until the run is in that state again, or NAN if
- * it never is. Sets *error to the time by which the returning state is off along the motion. */
+/* Returns the time [s] from row `base` of a run's trace until the state there recurs, or NAN if it
+ * does not. Each row nearest to that state is refined by Newton steps along the motion. Sets *error
+ * to the remaining distance, as a time along the motion; *error is unchanged if no row comes near.
+ */
 static double time_of_return(const struct closed_run *c, size_t base, double *error)
 {
     const struct system *system = c->system;

@@ -30,7 +30,10 @@ static struct table_column side_of(const struct table_column *column, const char
         .name = arena_text(arena, text_of(name)), .unit = column->unit, .value = value};
 }
 
-/* Inserts the two edges of the band after each column of a state variable. */
+/* Inserts two columns, the lower and upper edge of the uncertainty band, after each column of a
+ * state variable in export->table. `runs` must be one run of an adopted fit; `where` is the text of
+ * --band for messages. Returns false with *error if there is no such run or column, or the band
+ * cannot be computed. */
 bool export_band(const struct session *session, const struct argument_value *runs,
                  struct text where, struct export *export, struct error *error)
 {

@@ -152,8 +152,9 @@ bool export_recorded(const struct session *session, const struct argument_value 
     return keys_finish(&keys, export, error);
 }
 
-/* Adds samples outside of the window and masked ones, if there are any, with a column `used` that
- * is 0 for them: a session may have looked at several windows. Returns false with the error. */
+/* Replaces the table of an exported recording by one that has also the samples outside of the
+ * window and the masked ones, if there are any, with a column `used` that is 0 for these. Returns
+ * false with the error if out of memory or cancelled. */
 static bool add_unused(const struct recording *recording, struct export *export,
                        struct error *error)
 {

@@ -289,7 +289,9 @@ static size_t put_table(const struct recording *recording, struct arena *arena, 
     return kinds;
 }
 
-/* Adds the findings to the reply as a record. */
+/* Adds the record `clean` to the reply: the recording, how many samples are masked, the window, and
+ * an object for each kind of finding, with its number of samples and places, the times of the first
+ * ones, and the remedy. */
 static void reply_record(const struct recording *recording, struct reply *reply)
 {
     static const char *const remedies[] = {[REMEDY_MASK] = "mask",

@@ -194,10 +194,10 @@ static size_t judge_samples(struct drag_fitting *f, const double *residual)
     return changed;
 }
 
-/* Fits the laws to the moving part only. The point at which friction stops a body is a periodic
- * function of the friction, with a tooth for each half swing, so that a long rest at the end has a
- * solution in every tooth; the moving part finds the right one. Returns false if the body does not
- * come to rest. */
+/* Fits the laws only to the part in which the body moves, to find a start for the fit of all
+ * samples. The point at which friction stops a body is a periodic function of the friction, with a
+ * tooth for each half period, so that samples at rest are fitted in every tooth; the moving part
+ * finds the right one. Returns false if the body does not come to rest. */
 static bool fit_motion_first(struct drag_fitting *f)
 {
     const struct samples *x = &f->motion->samples;

@@ -43,9 +43,11 @@ static double factor_of(const struct windows *w, double lag)
     return fmax(1, w->square / w->expected * left * autocorrelation_factor(w->product / w->square));
 }
 
-/* The residuals' components in phase with the motion and with its velocity are summed in windows of
- * two periods. Slow changes of the amplitude (sway) and of the phase make these sums larger than
- * independent residuals would, and correlate neighbouring windows. */
+/* Computes by which factors the uncertainties of amplitude and phase must be widened, since slow
+ * changes of both (sway) correlate the residuals. The residuals' components in phase with the
+ * motion and in quadrature (with its velocity) are summed in windows of two periods; their scatter
+ * beyond that of independent residuals gives factors->amplitude and factors->phase. Returns false
+ * if the motion cannot be computed or if cancelled. */
 bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
                   struct drag_factors *factors)
 {

@@ -93,8 +93,8 @@ static void subtract_baseline(int count, int terms, const struct gram_block *blo
     }
 }
 
-/* Collects the next samples that take part, from *point up to `end`, at most CHUNK. Returns their
- * number. */
+/* Collects the times t and values y (minus x->middle) of the next samples in use, from index *point
+ * up to `end`, at most CHUNK. *point moves behind the last one. Returns their number. */
 static int gather_samples(const struct law_samples *x, size_t *point, size_t end, double *t,
                           double *y)
 {
@@ -121,8 +121,10 @@ static void law_fit_move(struct law_fit *fit, const double *x)
         fit->motion.value[fit->index[j]] = x[j];
 }
 
-/* Sums the products of the residual and of the first `rows` derivatives over all samples. Returns
- * false if the motion has no value, if its frequency is far from the start, or if cancelled. */
+/* Adds to *sums the products of the residual and of the first `rows` derivatives of the law's
+ * motion, over all samples in use, after projecting out the baseline; *used is raised by the number
+ * of samples. With rows = 0 this is only the sum of squares. Returns false if the motion has no
+ * value, if its frequency is far from the start, or if cancelled. */
 static bool normal_equations_sum(const struct law_samples *x, const struct law_fit *fit, int rows,
                                  struct normal *sums, size_t *used)
 {

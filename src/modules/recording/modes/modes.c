@@ -230,7 +230,8 @@ static bool is_overtone(double slow, double fast, double width)
     return n >= 2 && fabs(fast - n * slow) < width;
 }
 
-/* Warns of modes that are hardly resolved, that are overtones, too slow, or growing. */
+/* Adds warnings to the fit about modes that are hardly resolved within the window (span [s]), that
+ * are overtones of another one, too slow for the window, or growing. */
 static void warn_lines(const struct modes_fit *modes, double span, struct fit *fit)
 {
     for (int k = 0; k + 1 < modes->modes; k++) {
@@ -296,7 +297,9 @@ static void warn_residuals(const struct modes_fitting *f, const struct modes_fit
                  fit->rejected, f->series->n);
 }
 
-/* Fills the result from the fit, with uncertainties, coupling and warnings. */
+/* Fills *modes with the result of the fit: the modes in order of frequency, offset, uncertainties
+ * (widened for correlated residuals), for two modes also their coupling, and warnings. `rejected`
+ * is the number of samples left out. */
 static void modes_report(struct modes_fitting *f, size_t rejected, struct modes_fit *modes)
 {
     static const struct measured none = {NAN, NAN};

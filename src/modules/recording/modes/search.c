@@ -28,7 +28,9 @@ enum {
 /* Smallest number of samples per period of the fastest line after averaging. */
 #define A_PERIOD 8
 
-/* Computes the sum of modes and its derivatives in the form that struct fit_curve expects. */
+/* Computes the sum of modes at t [n], value [n], and, unless NULL, its derivatives [n x parameters]
+ * by the parameters x, in the form that struct fit_curve expects; context is a struct mode_curve.
+ * Returns false if a value is not finite or if cancelled. */
 static bool evaluate_modes(void *context, const double *x, const double *t, size_t n, double *value,
                            double *derivative)
 {
@@ -263,7 +265,8 @@ static bool add_mode(struct modes_search *s, const struct mode_start *start,
     return refine(s, next, residual);
 }
 
-/* Fits the straight line with which the search begins. Returns false if it fails. */
+/* Fits the straight line (no mode), with which the search for modes begins. Stores its parameters
+ * in *start and the residuals in residual [n]. Returns false if the fit fails. */
 static bool straight_line(struct modes_search *s, struct mode_start *start, double *residual)
 {
     struct curve_fit fit;

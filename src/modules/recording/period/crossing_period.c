@@ -168,9 +168,10 @@ static size_t crossing_pattern(const struct crossing *rising, size_t count,
     return 0;
 }
 
-/* Reads the period from the up-crossings of a level (the middle between the extremes, if it is NAN)
- * whose times repeat, from the first crossing on or, if the wave may settle, from a later one.
- * Returns false if they do not repeat. */
+/* Measures the period from rising crossings of `level` (the middle between the extremes if NAN) at
+ * times that repeat within the tolerance of *r, possibly in a pattern of several crossings. If
+ * r->may_settle, the first crossings may be left out, with a warning. `capacity` is the largest
+ * number of crossings. Returns false if they do not repeat or if out of memory. */
 static bool regular_period(const struct series *series, double level, const struct regularity *r,
                            size_t capacity, struct arena *arena, struct period *period)
 {

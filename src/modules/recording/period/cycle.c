@@ -24,9 +24,9 @@ static size_t index_near(const struct samples *x, double t, size_t index)
     return index;
 }
 
-/* Fits the mean cycle to the samples of one cycle that begins at t, by least squares, and fills
- * *result. *row is a sample near t and becomes the cycle's first one. Returns the correlation, or
- * -1 if there are too few samples. */
+/* Fits the mean cycle (height and offset) to the samples of the cycle that begins at time t [s], by
+ * least squares, and fills *result. *row is in and out: a sample near t, then the cycle's first
+ * one. Returns the correlation coefficient, or -1 if there are too few samples. */
 static double fit_cycle(const struct cycles *c, double t, size_t *row, struct cycle *result)
 {
     const struct samples *x = c->samples;

@@ -316,8 +316,10 @@ static bool repeats_in_turn(const struct cycles *c, size_t turns, double *residu
     return isnan(*line) && !(size < least && sigma < least && spread > spread_max);
 }
 
-/* Tests the double and triple period: warns that T may be a multiple, or takes the multiple if
- * there is no doubt. Returns true if it took one. scratch [rows] is work space. */
+/* Tests whether the true period is 2 or 3 times the one found. If that is practically certain,
+ * period->period is multiplied and the result is true. Otherwise, if it is probable, or a weaker
+ * oscillation makes the cycles differ, only a warning is set. `noise` is the noise of the samples;
+ * value and scratch [rows] are work space. */
 static bool test_multiples(const struct cycles *c, double noise, struct measured *value,
                            double *scratch, struct period *period)
 {

@@ -138,9 +138,10 @@ static bool next_spectrum_line(const struct samples *x, struct harmonic *line, i
     return good;
 }
 
-/* Fits all lines once more as damped sines, and takes these if they describe the series better. A
- * decaying line leaves residuals beside itself that would make it seem less certain. line [count]
- * are the steady ones. */
+/* Fits all spectral lines together as damped sines, starting from the undamped ones in line
+ * [count], and replaces peak [count] if these describe the series clearly better, since a decaying
+ * line leaves residuals beside its own frequency that make it seem less certain. `left` receives
+ * the residuals and `work` is scratch space, each with an element per sample or more. */
 static void fit_damped_lines(const struct samples *x, struct harmonic *line, int count,
                              struct spectrum_peak *peak, double *left, double *work)
 {

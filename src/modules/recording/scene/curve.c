@@ -17,8 +17,9 @@
 
 /* ---- the curve ---- */
 
-/* Computes one sample and, unless NULL, its derivatives from the state y at t; `system` has the
- * curve's variables first. */
+/* Sets *value to the curve's variable (or its rate of change, for c->rate) plus the offset, at time
+ * t, and derivative [parameters], unless NULL, to its derivatives. y holds the state, followed by
+ * its derivative by each free parameter; `system` has the curve's variables first. */
 static void take_sample(const struct scene_curve *c, const struct system *system, double t,
                         const double *y, double offset, double *value, double *derivative)
 {

@@ -23,7 +23,7 @@
 
 /* ---- the start ---- */
 
-/* Returns true if the whole start is free, so that it can be moved to the first sample. */
+/* Returns true if all parameters of the start are fitted, so that it can be moved in time. */
 static bool start_is_free(const struct scene_curve *c)
 {
     struct parameter_change *d = malloc(sizeof *d);
@@ -108,7 +108,7 @@ static void improve_start(struct scene_curve *c, const struct fit *fit, double *
         start[c->frees] = fit->offset.value - (order == 0 ? middle : 0);
 }
 
-/* Sets the bounds [parameters] to the ranges of the scene's parameters. */
+/* Sets low and high [parameters] to the ranges of the parameters, open ends moved in. */
 static void parameter_bounds(const struct scene_curve *c, const double *start, double *low,
                              double *high)
 {
@@ -176,8 +176,8 @@ static bool fit_part(struct scene_fitting *f, size_t n, bool last, struct curve_
     return true;
 }
 
-/* Fits all samples at once if the start is good enough; else a few periods first, then more and
- * more, so that the phase is never lost. Returns false with the error. */
+/* Fits all samples at once if the start is good enough; else a few periods [s] first, then longer
+ * parts, so that the phase is never lost. Returns false with *error. */
 static bool approach_by_parts(struct scene_fitting *f, double period, struct error *error)
 {
     const struct series *series = f->request->series;

@@ -382,7 +382,7 @@ static bool search_hidden_oscillation(struct motion *m, const unsigned char *use
 }
 
 /* Prepares the samples and fits one damped sine to all of them. *use [n] receives the mask from
- * before the fit. Returns false if out of memory or cancelled. */
+ * before the fit, unless the series is refused. Returns false if out of memory or cancelled. */
 static bool fit_first_sine(struct motion *m, const struct series *series, struct arena *arena,
                            const struct cancel *cancel, enum sine_hope hope, unsigned char **use)
 {

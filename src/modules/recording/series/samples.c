@@ -221,13 +221,12 @@ static bool has_jump(const double *y, size_t n, double jump)
     return found;
 }
 
-/*
- * A missed echo: the value leaves the middle by more than two thirds of the robust range (15 to 85
- * %) in one sample and comes back as fast within six samples, or the record ends there. Slow enough
- * for every oscillation with at least six samples a period; a coarse net that only protects the
- * spectrum: local fits decide later. Once forwards, once backwards: a bad first sample is seen from
- * behind only. Where many are found they are the oscillation itself, with few samples a period, or
- * its pulses.
+/* Clears samples->use for spikes, such as missed echoes: values that leave the middle by more than
+ * two thirds of the robust range (15 to 85 %) in one sample and come back as fast within six
+ * samples. An oscillation with at least six samples a period never does so. This coarse test only
+ * protects the spectrum, since local fits decide later. Each direction of time is searched, as a
+ * bad first sample is only seen backwards. If many are found, they are the oscillation itself, with
+ * few samples a period, or its pulses, and all samples are used again. scratch [n] is work space.
  */
 void samples_flag_spikes(struct samples *samples, double *scratch)
 {

@@ -91,7 +91,8 @@ static double poorness(const struct motion *m, const struct fit *fit)
     return noise ? 0 : fit->rms * sqrt((double)m->harmonic.used / signal);
 }
 
-/* Adds the warnings of a fit in a fixed order, the most fundamental first. */
+/* Adds the warnings of a fit of a damped sine to *fit, in a fixed order, the most fundamental
+ * first. `sway` is the relative slow change of the amplitude. */
 void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
 {
     const struct harmonic *h = &m->harmonic;

@@ -191,9 +191,10 @@ static size_t group_blank(struct text rest)
 enum { ODD_MAX = 48 };
 
 /* Rewrites a number in an unusual spelling (Unicode's minus, Fortran's D, marks between groups of
- * three digits) to a plain one. A single group without decimals, 16,500, could be decimals after
- * the other mark: it counts as a group only if `single`. Returns the length, or 0 if it is too long
- * or not such a number. */
+ * three digits) to a plain one in `output`. `decimal` is the decimal mark; the other of point and
+ * comma marks groups. A single group without decimals, such as 16,500, is ambiguous and counts as a
+ * group only if `single` is set. Returns the length of the output, or 0 if it is too long,
+ * malformed or not unusual. */
 static size_t plain_digits(struct text field, char decimal, bool single, char output[ODD_MAX])
 {
     const char group = decimal == '.' ? ',' : '.';
@@ -236,7 +237,8 @@ static size_t plain_digits(struct text field, char decimal, bool single, char ou
     return odd && whole_groups && (groups != 1 || blanks > 0 || point || single) ? len : 0;
 }
 
-/* Reads a number in an unusual spelling; see plain_digits(). Returns false if it is not one. */
+/* Reads a number in an unusual spelling into *value; the parameters are those of plain_digits().
+ * Returns false, with *value unchanged, if the field is not such a number. */
 static bool odd_number(struct text field, char decimal, bool single, double *value)
 {
     char digits[ODD_MAX];

@@ -115,7 +115,7 @@ static enum cell_kind cell_of(struct text field, const struct table_layout *layo
                : cell;
 }
 
-/* Cuts off and reads the next field; numbers that end at the separator take a shortcut. */
+/* Cuts off and reads the next field. Numbers that end at the separator take a shortcut. */
 static bool next_cell(struct text *rest, const struct table_layout *layout, struct text *field,
                       enum cell_kind *cell, double *value)
 {
@@ -227,8 +227,8 @@ static bool take_unit(struct column *column, const struct table_layout *layout, 
     return text_is(unit, column->unit);
 }
 
-/* Reads one line, followed by `ahead`, into row recording->rows. Returns false if it is not a
- * row. */
+/* Reads line `number`, followed by the text `ahead`, into row recording->rows. Returns false if it
+ * is not a row. */
 static bool read_row(struct row_reader *reader, struct text line, struct text ahead, size_t number)
 {
     struct recording *recording = reader->recording;

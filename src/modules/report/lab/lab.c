@@ -138,8 +138,9 @@ static void add_fit(struct report *report, const struct stored_fit *stored, cons
                                                        NAN, stored->statement, NULL});
 }
 
-/* Adds the values of a run to the report's values: parameters that influence its motion, step or
- * tolerance, energies and largest errors. `subject` ("run 3") is not copied. */
+/* Adds the values of a run to the report: parameters that influence its motion, step or tolerance,
+ * energies and largest errors. `subject` ("run 3") names the run in each row; the pointer is kept,
+ * so that the text must live as long as the report. */
 static void report_add_run(struct report *report, const struct run_slot *slot, const char *subject)
 {
     const struct run *run = slot->run;
@@ -346,9 +347,10 @@ static bool is_file(const char *path)
     return stat(path, &st) == 0 && S_ISREG(st.st_mode);
 }
 
-/* Writes a copy of the file from which recording number `index` was loaded into the report, so that
- * its session gives the same results wherever the folder is moved. A file that has changed since it
- * was loaded, or is gone, is left out. Returns false with *error if the copy cannot be written. */
+/* Copies the file of recording `index` into the report's folder, so that its session can be
+ * repeated wherever the folder is moved. A file that has changed since it was loaded, or is
+ * missing, is left out, which is no error. Returns false with *error if the copy cannot be written.
+ */
 static bool put_own_file(struct report *report, int index, struct error *error)
 {
     const struct recording *recording = report->session->recording[index]->recording;

@@ -172,7 +172,8 @@ enum run_column {
     RUN_STATUS
 };
 
-/* Writes one cell of the table of runs, "-" if the value is unknown. Returns false in that case. */
+/* Writes the cell in `column` of the table of runs to the document, "-" if the value is unknown.
+ * Returns true if it is known, by which columns without values can be explained. */
 static bool put_run_cell(struct document *document, const struct run *run, enum run_column column)
 {
     struct buffer text = {0};

@@ -91,9 +91,9 @@ static void put_zero_position(struct report *report, const struct recording *rec
                       VALUE_DIGITS);
 }
 
-/* Writes one recording of a section: description, figure, measured and fitted values, laws of
- * damping if the section is that of the damped recording. Returns false with *error if the figure
- * fails. */
+/* Writes recording number `index` to the report: description, figure, measured and fitted values
+ * and, in the section of the damped recording, the laws of damping. Returns false with *error if
+ * out of memory or the figure fails. */
 static bool put_recording(struct report *report, int index, enum section section,
                           struct error *error)
 {

@@ -221,8 +221,9 @@ static void read_history(struct reader *reader)
 
 /* ---- the whole ---- */
 
-/* Restores the set-up by its commands; those that cannot be executed are noted. Scenes and events
- * made by them are remembered, as runs may share them. */
+/* Restores the session's set-up by executing the stored commands; those that fail are noted for the
+ * user. Then restores the scenes and events, and reader->places, which maps stored parameters to
+ * those of the present program. */
 static void read_setup(struct reader *reader)
 {
     struct session *session = reader->session;

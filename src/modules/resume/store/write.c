@@ -200,8 +200,8 @@ static bool put_run(struct output *output, const struct run_slot *slot, bool lef
     return record_end(output, RECORD_RUN);
 }
 
-/* Forgets that the file has runs which were dropped. If undo brings one back, it is written
- * again. */
+/* Removes the runs that the session has dropped from the list of those in the file, if the list is
+ * longer than the session's. If undo brings such a run back, it is then written again. */
 static void forget_runs(struct stored *stored, const struct session *session)
 {
     int kept = 0;
@@ -247,8 +247,8 @@ static bool has_recording(const struct stored *stored, uint64_t sum)
     return false;
 }
 
-/* Forgets that the file has recordings which were dropped, so that the list has room for all
- * present ones. */
+/* Removes the recordings that the session has dropped from the list of those in the file, so that
+ * the list has room for all present ones. */
 static void forget_recordings(struct stored *stored, const struct session *session)
 {
     int kept = 0;
@@ -398,8 +398,9 @@ static bool put_found(struct output *output, const struct session *session)
 
 /* ---- what was typed and said ---- */
 
-/* Writes the lines typed since the last call. While a statement is executing they are written again
- * next time, as its entry changes when it ends. Returns false with an error, or if stopped. */
+/* Writes a record with the lines typed since the last call, if there are any. While a statement is
+ * executing (nesting > 0) they count as unwritten, since the entry changes when the statement ends.
+ * Returns false with an error, or if stopped. */
 static bool put_lines(struct output *output, const struct session *session)
 {
     const struct history *history = &session->history;

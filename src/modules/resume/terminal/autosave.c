@@ -156,9 +156,10 @@ static void close_file(struct autosave *autosave)
     autosave->fd = -1;
 }
 
-/* Appends what has changed to the file. If the data cannot be written completely, the file is
- * truncated to its previous end, or removed if it is new; a new one is removed also if writing was
- * stopped. Returns false with an error. */
+/* Appends what has changed in the session to the file, or makes the file on the first call. If the
+ * data cannot be written completely, an existing file is truncated to its previous end, a new one
+ * is removed, and the next call makes another. A first write that `cancel` stops is removed, too,
+ * but is no failure. Returns false with *error if writing fails. */
 static bool autosave_append(struct autosave *autosave, const struct cancel *cancel,
                             struct error *error)
 {
@@ -190,9 +191,9 @@ static bool is_bloated(const struct autosave *autosave)
            autosave->stored.bytes > 2 * autosave->whole + autosave->slack;
 }
 
-/* Begins a new file with the records that are still needed, which will replace the present one.
- * Without room or time for it the present file remains, and autosave->slack is doubled after an
- * error. */
+/* Begins a new file with only the records that are still needed, which will replace the present one
+ * when it is on the disk. If it cannot be written or takes too long, it is dropped and the present
+ * file remains; after a failure autosave->slack doubles, so that the next attempt comes later. */
 static void fresh_begin(struct autosave *autosave, const struct cancel *cancel)
 {
     struct stored stored = {0};
@@ -253,9 +254,9 @@ static void fresh_end(struct autosave *autosave)
     fresh_drop(&autosave->fresh);
 }
 
-/* Starts the thread that puts the file on the disk if that is due, and a fresh file if the present
- * one is too large. Signals are blocked in the thread, as the one that owns the session handles
- * them. */
+/* Starts the thread that puts the file on the disk (fsync), if data are unsynced and SYNC_NS has
+ * passed since the last time, and a fresh file if the present one is too large. Signals are blocked
+ * in that thread, since the thread that owns the session handles them. */
 static void sync_begin(struct autosave *autosave, const struct cancel *cancel)
 {
     sigset_t all, saved;

@@ -131,8 +131,9 @@ static char *choose_saved(const char *folder, const char *name, struct error *er
     return path.data;
 }
 
-/* Replaces *session by a saved one, or by the newest if name is NULL. *messages receives what was
- * restored and notes about what was not. Returns false with an error, and leaves the session. */
+/* Replaces *session by the saved one called `name`, or the most recent one if name is NULL, and
+ * destroys the previous one. Appends a summary and notes on what was left out to `messages`.
+ * Returns false with *error, and *session unchanged, if there is none or it cannot be restored. */
 bool autosave_resume(struct session **session, const char *name, struct buffer *messages,
                      struct error *error)
 {

@@ -107,9 +107,10 @@ static double grid_time(const struct solver *solver, int k)
     return solver->system->t0 + solver->span * k / (STUDY_TIMES - 1);
 }
 
-/* Computes the state y at the grid time t inside a step of h [s] that began at t_begin in y_begin:
- * by dense output, or by a shorter step from the begin. A multistep method without dense output
- * leaves y NAN, as the error of an interpolation would dominate. */
+/* Computes the state y [n] at time t inside of a step of length h from y_begin at t_begin: by the
+ * method's dense output, or by a shorter step from the beginning. A multistep method without dense
+ * output leaves y unchanged, as the error of an interpolation would dominate. Sets y to NAN if the
+ * step fails. */
 static void sample_inside(const struct solver *s, const double *y_begin, double t_begin, double h,
                           double t, double *y)
 {

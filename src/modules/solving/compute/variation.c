@@ -89,8 +89,9 @@ bool direction_find(const struct scene *scene, int index, struct parameter_chang
     return found;
 }
 
-/* Computes df/dp [n] for one parameter at (t, y) as the difference of all changed terms. Dry
- * friction is taken with the sign v->dry of the motion. */
+/* Sets slope [n] to df/dp for the parameter direction d at t and y: the difference of the right
+ * sides at two values of p, divided by the distance of these. Only the terms that p changes are
+ * computed. */
 static void slope_by_parameter(const struct variation *v, const struct parameter_change *d,
                                double t, const double *y, double *slope)
 {
@@ -125,8 +126,9 @@ static inline __attribute__((always_inline)) void add_product(int n, const doubl
     }
 }
 
-/* Computes the derivative S' = (df/dy) S + df/dp of the sensitivity s [n] by one parameter in
- * result [n]. Sizes 2 and 3 are spelled out so that their loops are unrolled. */
+/* Computes the time derivative of s = dy/dp for one direction d of the parameters: result [n] = J s
+ * + df/dp, with the Jacobian J [n x n] at t and state y. Fixed n lets the compiler unroll the
+ * common cases. */
 static void variation_rate(const struct variation *v, const struct parameter_change *d, double t,
                            const double *y, const double *jacobian, const double *s, double *result)
 {

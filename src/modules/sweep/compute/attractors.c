@@ -2,8 +2,8 @@
 /* Lists and describes the attractors that the numbers of measure=attractor denote. */
 #include "modules/sweep/compute/worker.h"
 
-/* Returns the entry of the attractor with that number. A new one is inserted in ascending order and
- * *count increased; returns NULL if all SWEEP_ATTRACTORS entries are used. */
+/* Returns the entry for attractor `number` in found [*count], which is in ascending order; a new
+ * number is inserted and *count raised. Returns NULL if there is no room for it. */
 static struct sweep_attractor *sweep_attractor_take(struct sweep_attractor *found, int *count,
                                                     double number)
 {

@@ -261,9 +261,9 @@ static void store_ends(struct sweep_worker *worker, int64_t i, bool all)
     }
 }
 
-/* Steps all lanes to their ends, and watches or stores states on the way; batches with watching are
- * short, as their rows are stored. Stops early if the states of all lanes are so large that they
- * have to run alone. Returns false if cancelled. */
+/* Steps all lanes to their ends, stores the final states, and on the way watches the states for
+ * measures or keeps them for a replay. Stops early if all lanes turn out to need a solution one by
+ * one. Returns false if cancelled. */
 static bool march_lanes(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;

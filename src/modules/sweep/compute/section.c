@@ -90,9 +90,10 @@ static bool crossings_settle(struct sweep_worker *worker, struct crossings *cros
 
 /* ---- one point ---- */
 
-/* Creates the run of point i in *crossings and compiles its event; at a strobe (once per period of
- * the drive) the run records a row per period instead. Returns false if the point is refused, and
- * marks it. */
+/* Creates the run of sweep point i, which records the section's points: strobed once per drive
+ * period, or by the section's event. Returns false, and notes the error for that point, if the
+ * scene has no drive, the run cannot be created or if out of memory. On success the caller frees
+ * crossings->run. */
 bool crossings_begin(struct sweep_worker *worker, int64_t i, struct crossings *crossings)
 {
     const struct sweep_request *request = worker->job->request;
@@ -179,8 +180,9 @@ static double reduce_angle(const struct crossings *crossings, int variable, doub
     return crossings->angle[variable] ? remainder(value, TWO_PI) : value;
 }
 
-/* Gets time *t [s] and state y of event `index`, or at a strobe after `period` periods, with angles
- * reduced to one turn. Returns false if the strobe has no row at that time. */
+/* Sets *t and y [n] to time and state of section point `index`: the event record with that index
+ * or, for a strobe, row index + 1 of the trace, which must be the state after `period` periods of
+ * the drive. Angles are reduced to one turn. Returns false if the strobe's row does not exist. */
 static bool state_at(const struct crossings *crossings, int64_t index, int64_t period, double *t,
                      double *y)
 {
