@@ -36,8 +36,9 @@ static struct measured mean_at_end(const struct answer *answer, int variable, do
     return noise_mean_of(scratch, count);
 }
 
-/* Computes the means at the end, over paths and coordinates, of m v^2 and, if an equilibrium is
- * possible, of -(y - <y>) F, which are kT in equilibrium. */
+/* Computes the means at the end, over paths and coordinates, of m v^2 (answer->kinetic) and, if an
+ * equilibrium is possible, of -(y - <y>) F (answer->virial), which are kT in equilibrium. They are
+ * NAN without velocities or temperature. */
 static void find_temperature(struct answer *answer, double *scratch)
 {
     const struct noise_forcing *forcing = &answer->setup->forcing;
@@ -155,7 +156,7 @@ static void put_end(const struct answer *answer, struct buffer *text)
             100 * answer->half_step);
 }
 
-/* Replies the text. */
+/* Appends the answer's text: set-up, table of a few rows, and temperatures at the end. */
 static void put_ensemble(const struct answer *answer, struct arena *arena, struct reply *reply)
 {
     const struct path_grid *grid = &answer->request.grid;
@@ -171,7 +172,7 @@ static void put_ensemble(const struct answer *answer, struct arena *arena, struc
     put_end(answer, text);
 }
 
-/* Adds the record `ensemble`. */
+/* Adds the record `ensemble` with set-up, temperatures and an array for each column. */
 static void reply_ensemble(const struct answer *answer, struct reply *reply)
 {
     reply_begin(reply, "ensemble");

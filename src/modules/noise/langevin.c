@@ -27,7 +27,8 @@ static void keep_row(void *context, size_t row, double t, const double *y)
         table->column[i + 1][row] = y[i];
 }
 
-/* Makes a table with columns for t and all variables. Returns false if out of memory. */
+/* Makes a table of `rows` rows with columns for t and all variables, in the arena; path->column are
+ * the columns to be filled. Returns false if out of memory. */
 static bool make_table(const struct system *system, size_t rows, struct arena *arena,
                        struct path_table *path, struct table *table)
 {
@@ -47,8 +48,8 @@ static bool make_table(const struct system *system, size_t rows, struct arena *a
     return column != NULL;
 }
 
-/* Describes the path. distance [n] is the distance from the end with half the step, or NULL if
- * that was not computed. */
+/* Appends the description of a path that ends in state end [n]. distance [n] is the distance from
+ * the end with half the step, or NULL if that was not computed. */
 static void put_path(const struct noise_setup *setup, const struct path_grid *grid,
                      const double *end, const double *distance, struct reply *reply)
 {

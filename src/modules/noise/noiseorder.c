@@ -63,7 +63,8 @@ static const struct result_column of_order[] = {
 
 static const struct result_columns noiseorder_columns = RESULT_COLUMNS(of_order, struct order_row);
 
-/* Finds the methods that were named, or all that suit the scene. Returns their number. */
+/* Sets method[] to the methods that were named, or to all that suit the scene if none was named.
+ * Returns their number. */
 static int choose_methods(const struct arguments *args, const struct noise_setup *setup,
                           const struct noise_method *method[ORDER_METHODS])
 {
@@ -79,7 +80,8 @@ static int choose_methods(const struct arguments *args, const struct noise_setup
     return count;
 }
 
-/* Replies a line for each method, then each of its steps as a record. */
+/* Replies with a line for each method, then a record for each of its step sizes, and stores the
+ * table. */
 static void reply_orders(const struct noise_setup *setup, const struct orders_request *request,
                          const struct method_orders *orders, int methods, struct arena *arena,
                          struct reply *reply)

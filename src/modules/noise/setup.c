@@ -51,7 +51,9 @@ static bool read_request(const struct arguments *args, struct noise_request *req
     return true;
 }
 
-/* Defaults are those of the session: duration and step, and the method that suits the scene. */
+/* Reads the arguments that all commands of noise share. Defaults are the session's duration and
+ * step, and the method that suits the scene. Returns the set-up in args->arena, or NULL with an
+ * error. */
 const struct noise_setup *noise_setup_read(struct session *session, const struct arguments *args,
                                            struct error *error)
 {
@@ -162,7 +164,9 @@ static void add_of_variable(struct keys *keys, const char *name,
         add_quantity(keys, full_name, value, quantity);
 }
 
-/* Stores the table with the keys from which it can be made again. */
+/* Stores the table for plots, with the keys from which it can be made again; `kind` is the command,
+ * `subject` the quantity or NULL, dt [s] is 0 if there is no single step. Empties the arena if it
+ * cannot be stored. */
 void noise_keep_table(const struct noise_setup *setup, double dt, const char *kind,
                       const char *subject, struct arena *arena, const struct table *table,
                       struct reply *reply)
@@ -238,7 +242,9 @@ bool noise_check_cost(struct session *session, const struct arguments *args,
                       error);
 }
 
-/* Observables of a run's history, such as its error, are refused. */
+/* Finds the quantity that `of` names, by default the first variable, as *column, and its name and
+ * unit as *shown. Observables of a run's history, such as its error, are refused. Returns false
+ * with an error. */
 bool noise_column(struct session *session, const struct arguments *args,
                   const struct noise_setup *setup, struct path_column *column,
                   struct variable *shown, struct error *error)

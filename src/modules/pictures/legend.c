@@ -30,8 +30,8 @@ static const char *shown_label(struct page *page, const char *label)
     return buffer_view(page->text);
 }
 
-/* Finds entry e of 2 * curves: curves come first, then bands. Returns false if that curve has no
- * label or is not drawn. */
+/* Finds entry e of 2 * curves: the curves come first, then their bands. Sets label, sample and
+ * width [pt] of *entry. Returns false if that curve has no label or is not drawn. */
 static bool legend_entry_find(struct page *page, int e, struct legend_entry *entry)
 {
     const int i = e % page->figure->curves;
@@ -59,7 +59,9 @@ static void legend_entry_draw(struct page *page, const struct legend_entry *entr
     page_text(page, x + sample, y, 0, style_black, shown_label(page, entry->label));
 }
 
-/* Entries that do not fit into a third of the page's height are counted and left out. */
+/* Draws (if `draw`) or only measures the title and, if `legend`, the legend above the plots.
+ * Entries that do not fit into a third of the page's height are counted and left out. Returns the
+ * lower end of the heading [pt]. */
 double page_heading(struct page *page, bool legend, bool draw)
 {
     const struct figure *figure = page->figure;
@@ -126,7 +128,8 @@ static bool band_meets(const struct page *page, const struct curve *curve, const
     return false;
 }
 
-/* Returns true if no curve, band, error bar or line of zero passes through the box. */
+/* Returns true if no curve, band, error bar or line of zero passes through the box (left, top,
+ * right, bottom) [pt]. */
 static bool is_box_free(const struct page *page, const double box[4])
 {
     const struct figure *figure = page->figure;
@@ -161,7 +164,9 @@ static double measure_entries(struct page *page, double *sample, int *entries)
     return *sample + label;
 }
 
-/* The legend may fill at most half of the width and of the height of the plot. */
+/* Finds a free place for the legend inside the plot of a panel and sets box to its left, top, right
+ * and bottom [pt]. The legend may fill at most half of the width and of the height of the plot.
+ * Returns false if there is no room. */
 bool legend_place(struct page *page, const struct page *panel, double box[4])
 {
     /* corners first, then the middle of the sides, then in between; 0 is left and top */
@@ -188,7 +193,7 @@ bool legend_place(struct page *page, const struct page *panel, double box[4])
     return false;
 }
 
-/* The entries are placed below each other, in a frame. */
+/* Draws the legend in the box of legend_place(): the entries below each other, in a frame. */
 void legend_draw(struct page *page, const double box[4])
 {
     const double edge = page->style.edge / 2;

@@ -66,8 +66,9 @@ static void thinning_start(struct path_thinning *thinning, double x, double y)
     thinning->farthest = 0;
 }
 
-/* Returns true if the point lies in the cone, and narrows the cone to the directions that pass the
- * point within the tolerance. */
+/* Returns true if the point (x, y) can be reached by a straight line from the last corner that
+ * passes all points since then within the tolerance: if it lies in the cone of these directions.
+ * Narrows the cone by the point. */
 static bool narrow_cone(struct path_thinning *thinning, double x, double y)
 {
     const double dx = x - thinning->x, dy = y - thinning->y, distance = sqrt(dx * dx + dy * dy);
@@ -92,10 +93,8 @@ static bool narrow_cone(struct path_thinning *thinning, double x, double y)
     return true;
 }
 
-/* Draws the line on to the point (x, y) [pt]. As long as the points lie in the cone, one straight
- * line from the last corner passes all of them within the tolerance, and none is put. If the new
- * point lies outside of the cone, the point before it becomes a corner, from which a new cone
- * begins. */
+/* Continues the line to a point. The previous point becomes a corner if the new one leaves the cone
+ * of narrow_cone(). */
 static void thinning_draw_to(struct path_thinning *thinning, double x, double y)
 {
     if (!narrow_cone(thinning, x, y)) {
@@ -203,8 +202,9 @@ static void tracer_pen_lift(struct tracer *tracer)
     tracer->pen_there = false;
 }
 
-/* Passes the curve as lines to put(), thinned within `tolerance` [pt] and reduced to a few samples
- * in each of `columns` columns per point. NAN in the samples is a gap. */
+/* Passes the curve as lines to put(context, x, y, begins), thinned within `tolerance` [pt] and
+ * reduced to the first, lowest, highest and last sample in each of `columns` columns per point. NAN
+ * in the samples is a gap. */
 static void trace_curve(const struct curve *curve, const struct plot_area *area, double tolerance,
                         double columns, void (*put)(void *, double, double, bool), void *context)
 {
@@ -250,7 +250,8 @@ struct grains {
     double left, top;  /* [pt] of the area, with its margin */
 };
 
-/* Allocates a blank bitmap for the area and its margin. Returns false if out of memory. */
+/* Allocates a blank bitmap of `density` grains per point for the area and its margin, which tells
+ * where ink is. Returns false if out of memory. */
 static bool grains_init(struct grains *grains, const struct plot_area *area, double density,
                         struct arena *arena)
 {
@@ -289,8 +290,8 @@ static void grain_mark(struct grains *grains, int x, int y)
         *byte |= (uint8_t)(1U << x % 8);
 }
 
-/* Returns true if the line crosses enough blank grains in a row to be worth drawing, and then marks
- * its grains. Positions are in points. */
+/* Returns true if the line from (x0, y0) to (x1, y1) [pt] crosses grains->run blank grains in a
+ * row, or only blank ones, and so is worth drawing; its grains are marked then. */
 static bool grains_pass(struct grains *grains, double x0, double y0, double x1, double y1)
 {
     const double x = (x0 - grains->left) * grains->density + 1,
@@ -366,7 +367,9 @@ static const struct {
              {1.5, 0.1, 2},          {1, 0.15, 3},    {0.3, 0.3, 9}};
 #define GRID_ROUGH 4 /* index of the grid with one grain per point */
 
-/* Tries the grids in turn until the path is short enough. */
+/* Computes the path of a curve, drawn as a line, within the area. Tries ever coarser grids until
+ * the path has at most limit->corners corners; limit->rough uses a coarse one at once. Returns
+ * false if out of memory or cancelled. */
 bool path_of_line(const struct curve *curve, const struct plot_area *area,
                   const struct path_limit *limit, struct path *path)
 {
@@ -405,7 +408,7 @@ static bool dot_position(const struct curve *curve, const struct plot_area *area
            place[1] >= area->top - edge && place[1] <= area->bottom + edge;
 }
 
-/* Draws one dot for each square of this size [pt] that holds a sample, and stops when there are
+/* Adds one dot for each square of `square` [pt] that contains a sample, and stops when there are
  * more than `most`. Returns false if out of memory or cancelled. */
 static bool put_single_dots(const struct curve *curve, const struct plot_area *area, double square,
                             size_t most, struct arena *arena, struct path *path)
@@ -427,7 +430,8 @@ static bool put_single_dots(const struct curve *curve, const struct plot_area *a
     return !cancelled(curve->cancel);
 }
 
-/* Tries squares of increasing size until there are few enough dots. */
+/* Computes the path of a curve drawn as dots. Tries squares of increasing size, one dot each, until
+ * there are at most limit->corners dots. Returns false if out of memory or cancelled. */
 bool path_of_dots(const struct curve *curve, const struct plot_area *area,
                   const struct path_limit *limit, struct path *path)
 {
@@ -445,7 +449,8 @@ bool path_of_dots(const struct curve *curve, const struct plot_area *area,
     return ok && !path->corners.failed;
 }
 
-/* A corner that begins is a line of length 0. */
+/* Returns true if the path has a part inside the box [pt]. A corner that begins a line counts as a
+ * line of length 0. */
 bool path_meets(const struct path *path, double left, double top, double right, double bottom)
 {
     const struct corner *corner = path_corners(path);

@@ -14,8 +14,9 @@ struct picture_sheet {
     struct page page[PANELS_MAX];   /* one for each panel */
 };
 
-/* Divides the area between top and bottom [pt] among the panels and lays them out. Two panels that
- * would be too small are drawn as one. */
+/* Divides the area between top and bottom [pt] among the one or two panels and lays them out:
+ * planes side by side if the page is wide, others below each other with aligned frames. Two panels
+ * that would be too small are drawn as one. */
 static void place_panels(struct picture_sheet *sheet, double top, double bottom)
 {
     struct page *page = sheet->page;
@@ -74,8 +75,8 @@ struct foot {
 
 #define FOOT_PART 6 /* the foot takes at most 1/FOOT_PART of the page's height */
 
-/* Writes the notes of all panels in one line if there is room, else in a line for each panel, else
- * with less detail. */
+/* Writes the notes of all panels to foot->line: in one line if there is room, else in a line for
+ * each panel, else with less detail. Decides whether the caption fits beside the last. */
 static void foot_write(const struct picture_sheet *sheet, struct foot *foot)
 {
     const struct page *page = sheet->page;
@@ -181,8 +182,9 @@ static void free_paths(struct picture_sheet *sheet)
         page_free_paths(&sheet->page[i]);
 }
 
-/* Draws the page. Rough paths tell whether the legend has room inside a plot; otherwise it is
- * placed above the plots, which are laid out again. Returns false if out of memory. */
+/* Draws the page. Rough paths, which are fast, tell whether the legend has room inside a plot;
+ * otherwise it is placed above the plots, which are laid out again. Returns false if out of memory
+ * or cancelled. */
 static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
 {
     struct page *page = sheet->page;
@@ -214,7 +216,8 @@ static bool draw_sheet(struct picture_sheet *sheet, struct arena *arena)
     return drawn;
 }
 
-/* The surface may fail as well, which its `failed` tells. */
+/* Draws the figure on a surface of width x height [pt]. Returns false if out of memory or
+ * cancelled, or if the surface failed (surface->failed). */
 bool picture_draw(struct surface *surface, const struct figure *figure, double width, double height)
 {
     struct buffer text = {0};

@@ -82,7 +82,8 @@ static bool on_line(const struct curve *curve)
     return !curve->points || curve->joined;
 }
 
-/* Adds the curve's mark to the path of the surface; paint_points() paints it. */
+/* Adds the mark that distinguishes the curve, at (x, y) [pt], to the path of the surface;
+ * paint_points() paints it. */
 static void add_mark(const struct page *page, int curve, double x, double y)
 {
     const size_t mark = rank_in_kind(page->figure, curve) % MARKS,
@@ -148,7 +149,8 @@ static double first_mark_step(const struct page *page, int curve)
     return 0.5 + (double)rank_in_kind(page->figure, curve) / page->figure->curves;
 }
 
-/* Finds positions in the plot at equal distances along a line. Returns their number. */
+/* Finds up to `max` positions in the plot at equal distances along a line, for its marks. Sets
+ * place[] and returns their number. */
 static int marks_along(const struct page *page, int curve, struct mark_place *place, int max)
 {
     const struct path *path = &page->path[curve];
@@ -243,7 +245,9 @@ static void paint_band(const struct page *page, int curve)
         &(struct brush){.color = curve_color(page, curve), .opacity = STYLE_BAND, .fill = true});
 }
 
-/* Adds one edge of the band: the upper one forwards (side 1), the lower one backwards (-1). */
+/* Adds one edge of a curve's band to the path: the upper one forwards (side 1), the lower one
+ * backwards (-1), so that both enclose the band. Only the outermost sample in each BAND_BIN_POINTS
+ * [pt] is used. */
 static void add_band_edge(const struct page *page, const struct curve *curve, int side)
 {
     double bin = NAN, last_x = 0, edge = NAN;
@@ -321,7 +325,8 @@ static void put_letter(const struct page *page, int curve, double x, double y)
               (char[]){page->figure->curve[curve].mark, '\0'});
 }
 
-/* Draws error bars, with caps and white inside their marks unless the points are dense. */
+/* Draws the error bars of a curve, with caps and white inside their marks unless the points are
+ * dense (too many for single marks). */
 static void draw_bars(struct page *page, int index, bool dense)
 {
     const struct curve *curve = &page->figure->curve[index];
@@ -352,7 +357,8 @@ static void draw_bars(struct page *page, int index, bool dense)
     surface_paint(page->surface, &paper);
 }
 
-/* Draws points as shapes or letters, dense ones as dots: lines of length 0 with round ends. */
+/* Draws points as shapes or letters; if they are dense, as dots, which are lines of length 0 with
+ * round ends. */
 static void draw_points(struct page *page, int index, bool dense)
 {
     const struct curve *curve = &page->figure->curve[index];
@@ -419,7 +425,7 @@ double page_sample(struct page *page, int index, double x, double y, bool draw)
 
 /* ---- all ---- */
 
-/* Draws arrows where a run leaves the frame. */
+/* Draws arrowheads on the frame where a run leaves the plot. */
 static void draw_exits(struct page *page, int index)
 {
     static const double ahead[4][2] = {{-1, 0}, {1, 0}, {0, 1}, {0, -1}};
@@ -464,7 +470,9 @@ static void draw_lines(struct page *page)
                 draw_line(page, i, marked);
 }
 
-/* Draws in the order in which things may cover each other; the first curve is drawn last. */
+/* Draws all curves of a panel in the order in which things may cover each other: guides, bands,
+ * joining lines, dense points, lines, single points, arrows, labels. The first curve is drawn
+ * last. */
 void page_curves(struct page *page)
 {
     const struct figure *figure = page->figure;

@@ -48,8 +48,8 @@ static void paint_level(const struct page *page, const double color[3])
     surface_paint(page->surface, &(struct brush){.color = color, .width = 0.4, .fill = true});
 }
 
-/* Adds the boxes of one level to the path; cells over each other with the same level are joined to
- * one box. */
+/* Adds the cells of one colour level to the path; neighbouring cells of a column with that level
+ * are joined to one box. */
 static void add_boxes(const struct page *page, const struct heat *heat,
                       const struct heat_scale *scale, int level)
 {
@@ -130,7 +130,8 @@ static void label_bar(const struct page *page, const struct heat *heat,
               buffer_view(page->text));
 }
 
-/* Draws the colours from the lowest value to the highest, a frame and labels. */
+/* Draws the colour bar beside a heat map: the colours from the lowest value to the highest, a frame
+ * and labels. Draws nothing if there is only one value, or for maps of letters. */
 void page_bar(const struct page *page)
 {
     const struct heat *heat = page->figure->heat;

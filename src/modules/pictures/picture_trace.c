@@ -15,8 +15,9 @@ double page_dot(const struct page *page)
     return page->style.dot;
 }
 
-/* Makes a curve of vertical lines with gaps between them from the error bars. Bars on a logarithmic
- * axis that reach 0 begin at the lower end of the axis. Returns false if out of memory. */
+/* Makes the curve *bars of vertical lines, with gaps between them, from a curve's error bars. Bars
+ * on a logarithmic axis that reach 0 begin at the lower end of the axis. Returns false if out of
+ * memory. */
 static bool bar_curve(const struct page *page, const struct curve *curve, struct arena *arena,
                       struct curve *bars)
 {
@@ -36,8 +37,8 @@ static bool bar_curve(const struct page *page, const struct curve *curve, struct
     return true;
 }
 
-/* Computes the path of a curve and that of its error bars with up to `corners` corners each; 0 asks
- * for rough paths. Returns false if out of memory or cancelled. */
+/* Computes the path of a curve, and that of its error bars, with up to `corners` corners each; 0
+ * means rough paths. Returns false if out of memory or cancelled. */
 static bool trace_curve_paths(const struct page *page, int index, size_t corners)
 {
     const struct curve *curve = &page->figure->curve[index];
@@ -58,7 +59,9 @@ static bool trace_curve_paths(const struct page *page, int index, size_t corners
     return ok && !cancelled(curve->cancel);
 }
 
-/* Curves are computed again with fewer corners if all together have too many. */
+/* Computes the paths of all drawn curves, rough ones if `rough`. Curves are computed again with
+ * fewer corners if all together have more than PATH_CORNERS_MAX. Returns false if out of memory or
+ * cancelled. */
 bool page_trace(struct page *page, bool rough, struct arena *arena)
 {
     const struct figure *figure = page->figure;

@@ -56,8 +56,8 @@ static size_t exponent_length(struct text text, struct text *power, bool *negati
     return 1 + len;
 }
 
-/* Appends the number at the beginning of the text, its exponent as a power of ten. Returns its
- * length in the text. */
+/* Appends the number at the beginning of the text, with its exponent as a power of ten. Returns the
+ * length of the number in the text. */
 static size_t symbol_number_put(struct buffer *output, struct text text)
 {
     size_t len = digits_length(text, false);
@@ -160,7 +160,8 @@ static size_t symbol_name_put(struct buffer *output, struct text rest)
     return len;
 }
 
-/* Appends a name or formula with symbols. */
+/* Appends a name or formula with symbols: Greek letters, subscripts, powers, middle dots for *,
+ * minus signs. */
 void put_name_symbols(struct buffer *output, struct text name)
 {
     for (size_t i = 0; i < name.len;) {
@@ -202,7 +203,8 @@ static void put_unit_name(struct buffer *output, struct text name)
     }
 }
 
-/* Units are joined by middle dots; those behind "/" get negative powers. */
+/* Appends a unit such as "m/s^2" with symbols, m·s⁻². Units are joined by middle dots; those behind
+ * "/" get negative powers. */
 void put_unit_symbols(struct buffer *output, struct text unit)
 {
     const size_t old_len = output->len;

@@ -81,8 +81,8 @@ static int nearest_color(const struct palette *palette, const struct bin *bin)
     return best;
 }
 
-/* Makes the colours of the largest bins the palette, and gives every bin its nearest colour.
- * Returns false if out of memory. */
+/* Makes the colours of the bins with the most pixels the palette, at most SIXEL_COLORS, and assigns
+ * every bin its nearest colour. Returns false if out of memory. */
 static bool choose_palette(struct palette *palette)
 {
     struct bin **order = malloc(COLOUR_BINS * sizeof *order);
@@ -113,8 +113,8 @@ static void put_sixels(struct buffer *output, int count, int bits)
             buffer_char(output, (char)(63 + bits));
 }
 
-/* Appends a band of up to six rows: for each colour in it a line of characters without the empty
- * end. */
+/* Appends a band of up to six rows of pixels, `stride` bytes apart: for each colour in it a line of
+ * characters, whose bits tell which rows have that colour. The empty end of a line is left out. */
 static void put_band(const struct palette *palette, const unsigned char *pixel, size_t stride,
                      int width, int rows, struct buffer *output)
 {
@@ -149,7 +149,8 @@ static void put_band(const struct palette *palette, const unsigned char *pixel, 
 
 _Static_assert(SIXEL_COLORS <= 64, "a band's colours are the bits of a word");
 
-/* Appends an image as a complete sixel sequence. Returns false if out of memory. */
+/* Appends an image of width x height pixels, with rows `stride` bytes apart, as a complete sixel
+ * sequence. Returns false if out of memory. */
 bool sixel_write(const unsigned char *pixel, size_t stride, int width, int height,
                  struct buffer *output)
 {

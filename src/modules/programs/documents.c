@@ -59,7 +59,8 @@ static void put_assigned(struct scene_program *p, const char *word, int i, doubl
     buffer_char(p->output, '\n');
 }
 
-/* Appends observed quantities and right-hand sides. */
+/* Appends observed quantities and right-hand sides in XPPAUT's form, NAME=FORMULA and
+ * NAME'=FORMULA. */
 static void put_xpp_equations(struct scene_program *p)
 {
     const struct written *w = &p->written;
@@ -81,7 +82,7 @@ static void put_xpp_equations(struct scene_program *p)
     }
 }
 
-/* Writes a scene for XPPAUT. */
+/* Writes the scene as an .ode file for XPPAUT. Returns false with an error if out of memory. */
 bool program_xpp(struct scene_program *p)
 {
     const struct written *w = &p->written;
@@ -117,7 +118,7 @@ bool program_xpp(struct scene_program *p)
 
 /* ---- LaTeX ---- */
 
-/* Appends a name as a symbol: "k3" as k_{3}, "omega" as the Greek letter, "length" upright. */
+/* Appends a name as a TeX symbol: "k3" as k_{3}, "omega" as the Greek letter, "length" upright. */
 static void put_symbol(struct buffer *output, const char *name)
 {
     static const char *const greek[] = {
@@ -177,7 +178,7 @@ static void put_measured(struct scene_program *p, const char *symbol, double val
     buffer_free(&text);
 }
 
-/* Appends the equations and the observed quantities. */
+/* Appends the equations and the observed quantities as lines of an align* environment. */
 static void put_tex_equations(struct scene_program *p)
 {
     const struct written *w = &p->written;
@@ -230,7 +231,8 @@ static void put_tex_values(struct scene_program *p)
     buffer_free(&symbol);
 }
 
-/* Writes a LaTeX document with equations, parameters and initial values. */
+/* Writes a LaTeX document with equations, parameters and initial values. Returns false with an
+ * error if out of memory. */
 bool program_tex(struct scene_program *p)
 {
     if (!tex_names(p))

@@ -35,8 +35,8 @@ static void put_arguments(const struct scene_program *p, struct buffer *output)
     buffer_char(output, ')');
 }
 
-/* Chooses all names in the language; an observed quantity is a function in Octave, and its name a
- * call. Returns false with an error if out of memory. */
+/* Chooses p->name, all names in the language. An observed quantity is a function in Octave, so that
+ * its name is a call. Returns false with an error if out of memory. */
 static bool make_names(struct scene_program *p)
 {
     struct written *w = &p->written;
@@ -67,8 +67,8 @@ void program_expr(struct scene_program *p, const struct expr *expr)
         p->output->failed = true;
 }
 
-/* Appends the right-hand side of a row. Drag that a splitting solves exactly is left out, and dry
- * friction is added by a function. */
+/* Appends the right-hand side of a row of the equations of motion. Drag that a splitting solves
+ * exactly is left out, and dry friction is added by the function with_friction(). */
 static void put_row(struct scene_program *p, int row)
 {
     const struct written *w = &p->written;
@@ -180,7 +180,8 @@ static void put_name_and_unit(struct buffer *output, const char *label, double v
     buffer_format(output, "%s%s", unit[0] ? " " : "", unit);
 }
 
-/* Writes lines that say what the program computes, each begun by `prefix`. */
+/* Appends lines that describe what the program computes (scene, equations, method, times), each
+ * begun by `prefix`, which makes it a comment. */
 void program_title(struct scene_program *p, const char *prefix)
 {
     const struct written *w = &p->written;
@@ -223,8 +224,8 @@ static bool refuse_events(struct scene_program *p)
     return true;
 }
 
-/* Returns true if adaptive steps of the method can be written in the language; otherwise sets an
- * error. */
+/* Returns true if adaptive steps of the method can be written in the language (all methods but in
+ * C, where only those with a table and error control can); otherwise sets an error. */
 static bool refuse_adaptive(struct scene_program *p)
 {
     struct runge_kutta table;
@@ -269,8 +270,8 @@ static bool refuse_method(struct scene_program *p)
     return true;
 }
 
-/* Returns true if steps need not be divided at switches, or only in a way that programs can do;
- * otherwise sets an error. Sets p->turns. */
+/* Returns true if steps need not be divided where forces jump or bend, or only where the velocity
+ * turns, which programs can do; otherwise sets an error. Sets p->turns. */
 static bool refuse_pieces(struct scene_program *p)
 {
     const struct system *system = &p->written.system;
@@ -302,8 +303,8 @@ static bool refuse_pieces(struct scene_program *p)
 
 /* ---- all ---- */
 
-/* Takes method, settings and duration of the session and plans the run. Returns false with an error
- * if it cannot be run or has too many steps. */
+/* Takes method, settings and duration of the session and plans the run in p->plan. Returns false
+ * with an error if it cannot be run, or if a program could not count its steps. */
 static bool make_plan(struct scene_program *p)
 {
     const struct setup *setup = &p->session->setup;
@@ -321,8 +322,8 @@ static bool make_plan(struct scene_program *p)
     return error_hint(p->error, "set a shorter duration, or a longer dt");
 }
 
-/* Writes the session's scene in the dialect `kind`, as the module's writer. Returns false with an
- * error. */
+/* Appends the session's scene in the dialect `kind`. Returns false with an error; output->failed
+ * means that it is out of memory. */
 static bool write_program(const struct session *session, size_t kind, struct arena *arena,
                           struct buffer *output, struct error *error)
 {

@@ -84,7 +84,7 @@ static struct text next_line(const char **rest)
     return line;
 }
 
-/* Returns true if the text of a template's word is not empty or, for a word such as "sqrt(", if the
+/* Returns true if the text of a template's word is not empty. A word such as "sqrt(" holds if the
  * formulas call that function. */
 static bool word_holds(struct scene_program *p, struct text word)
 {
@@ -150,9 +150,9 @@ static void drop_unused_import(struct buffer *output)
     output->len -= len;
 }
 
-/* Copies the template from the line after <<begin>> to the line <<words>>, behind which it lists
- * the words that variables cannot be called by. A line <<if ...>> decides whether the lines up to
- * the next one are copied. */
+/* Writes a program in C, Python or for Octave, made from its template, whose lines between <<if
+ * ...>> are written if the words there hold. Returns false with an error if cancelled or out of
+ * memory. */
 bool program_computes(struct scene_program *p)
 {
     const char *rest = strstr(template_of(p->dialect), "<<begin>>\n");

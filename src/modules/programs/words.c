@@ -118,7 +118,8 @@ static void program_start_put(struct scene_program *p)
     }
 }
 
-/* Appends lines that give the elements of the state their names. */
+/* Appends lines that give the elements of the array `state` their names; in C only those that are
+ * read. */
 static void put_unpack(struct scene_program *p)
 {
     const bool c = p->dialect == DIALECT_C;
@@ -212,8 +213,8 @@ static bool fraction_of(double x, long *top, long *bottom)
     return false;
 }
 
-/* Appends weights, as fractions such as 35/384 where these are the same doubles, in lines of little
- * more than line_max characters. */
+/* Appends `count` weights separated by commas, as fractions such as 35/384 where these are the same
+ * doubles and shorter, in lines of little more than line_max characters. */
 static void put_weights_of(struct scene_program *p, const double *weight, int count)
 {
     static const size_t line_max = 64;
@@ -246,7 +247,8 @@ static void put_nodes(struct scene_program *p)
         put_weights_of(p, table.c, table.stages);
 }
 
-/* Appends the matrix a of the Butcher table, line by line. */
+/* Appends the matrix a of the Butcher table row by row; in Octave as a full square matrix. Appends
+ * nothing if the method has no table. */
 static void put_matrix(struct scene_program *p)
 {
     static const double zero[64] = {0};
@@ -314,8 +316,8 @@ static const char *solver_name(const struct scene_program *p)
     return order >= 7 ? "DOP853" : "RK45";
 }
 
-/* Appends a word that is a number, or a condition, which is written if it holds. Returns false if
- * there is no such word. */
+/* Appends the value of a template's word that is a number; a word that is a condition is itself
+ * appended if the condition holds, else nothing. Returns false if there is no such word. */
 static bool program_value_put(struct scene_program *p, struct text word)
 {
     const double t0 = p->written.system.t0, t_end = t0 + p->duration, dt = p->settings.dt;
@@ -381,7 +383,8 @@ static bool program_value_put(struct scene_program *p, struct text word)
     return text_is(word, "steps");
 }
 
-/* Appends a word whose text is ready. Returns false if there is no such word. */
+/* Appends the text of a template's word whose text needs no function. Returns false if there is no
+ * such word. */
 static bool program_text_put(struct scene_program *p, struct text word)
 {
     const bool partial = !p->plan.adaptive && p->plan.partial != 0;
@@ -404,7 +407,7 @@ static bool program_text_put(struct scene_program *p, struct text word)
     return false;
 }
 
-/* Writes what a word of a template denotes. Returns false if there is no such word. */
+/* Appends what a word of a template denotes. Returns false if there is no such word. */
 bool program_word(struct scene_program *p, struct text word)
 {
     static const struct {

@@ -50,7 +50,8 @@ static bool linear_damping(const struct system *system, double *gamma)
     return linear;
 }
 
-/* Returns true if the drag of the scene is more than -gamma v. */
+/* Returns true if the drag of the scene differs from -gamma v at one of a few velocities, as
+ * quadratic drag does. */
 static bool has_other_drag(const struct system *system, const double *gamma)
 {
     static const double speed[DAMPING_PROBES] = {0.4, -0.9, 1.7, -0.2};
@@ -119,7 +120,9 @@ static bool bind_strength(const struct noise_request *request, struct noise_forc
     return true;
 }
 
-/* Noise acts on velocities in scenes of second order, on all variables in others. */
+/* Binds the scene with the requested noise into *forcing. Noise acts on velocities in scenes of
+ * second order, on all variables in others. Returns false with an error if the scene and the
+ * request do not fit. */
 bool noise_forcing_bind(const struct scene *scene, const struct noise_request *request,
                         struct noise_forcing *forcing, struct error *error)
 {

@@ -52,8 +52,9 @@ static void fill_increments(const struct orders_work *work, int64_t path, int64_
         increment[i] *= root;
 }
 
-/* Follows the path with steps of `together` increments each, or its mirror image (sign -1), to the
- * end y [n], whose first variable is NAN if the path diverges. */
+/* Follows the path with steps of h [s], each with the sum of `together` fine increments of the
+ * noise, or its mirror image (sign -1), to the end y [n], whose first variable becomes NAN if the
+ * path diverges or if cancelled. */
 static void follow_increments(const struct orders_work *work, const double *increment,
                               int64_t together, double h, int sign, double *y)
 {
@@ -88,8 +89,9 @@ static void add_differences(const struct system *system, const double *coarse, c
     }
 }
 
-/* Measures one path and its mirror image, which cancels statistical errors that are odd in the
- * path. `context` is the struct orders_work. */
+/* Measures path number `path` with steps of all sizes, each compared with half of it, and its
+ * mirror image, which cancels statistical errors that are odd in the path. `context` is the struct
+ * orders_work; `thread` chooses the scratch memory. */
 static void measure_one(void *context, int thread, int64_t path)
 {
     struct orders_work *work = context;
@@ -113,9 +115,10 @@ static void measure_one(void *context, int thread, int64_t path)
     }
 }
 
-/* Returns the order from the two finest levels whose differences are significant, more than three
- * standard errors and above rounding. Its uncertainty combines chance with the change since the
- * previous two levels. NAN if fewer than three levels are significant. */
+/* Returns the order of convergence, strong or weak, from the two finest levels whose differences
+ * are significant: more than three standard errors and above rounding. Its uncertainty combines
+ * chance with the change since the previous two levels. NAN if fewer than three levels are
+ * significant. */
 static struct measured find_order(const struct order_level *level, int levels, bool strong)
 {
     enum { LEVELS_LEAST = 3 };
@@ -139,9 +142,9 @@ static struct measured find_order(const struct order_level *level, int levels, b
     return (struct measured){order[n - 1], hypot(chance, order[n - 1] - order[n - 2])};
 }
 
-/* Returns the mean of the sum of squares at the end with this many steps, without chance: a step of
- * a linear scene is affine, y' = M y + N dW + c(t), so that mean and covariance can be
- * propagated. */
+/* Returns twice the mean of the sum of squares of the scaled variables at the end, after that many
+ * steps, without chance: a step of a linear scene is affine, y' = M y + N dW + c(t), so that mean
+ * and covariance can be propagated. */
 static double linear_moment(const struct orders_work *work, int64_t steps)
 {
     const struct noise_forcing *forcing = work->request->forcing;
@@ -185,7 +188,8 @@ static void find_linear_weak(const struct orders_work *work, struct method_order
     orders->weak_is_exact = true;
 }
 
-/* Computes the levels and orders from the sums over all paths. */
+/* Computes the levels (means over all paths) and from them the strong and the weak order of the
+ * method. */
 static void summarise_orders(const struct orders_work *work, struct method_orders *orders)
 {
     const struct orders_request *request = work->request;

@@ -41,7 +41,9 @@ static bool check_growth(const struct noise_forcing *forcing, const struct noise
     return false;
 }
 
-/* Rounds the number of steps up, and chooses the stride between recorded rows. */
+/* Divides the span [s] into steps of at most dt [s] and rows of which about `intervals` + 1 are
+ * recorded, in *grid. Rounds the number of steps up. Returns false with an error if there are too
+ * many steps, or if the method is unstable or does not suit the scene. */
 bool noise_path_grid_make(const struct noise_forcing *forcing, const struct noise_method *method,
                           double span, double dt, size_t intervals, struct path_grid *grid,
                           struct error *error)
@@ -94,7 +96,9 @@ double noise_path_value(const struct noise_forcing *forcing, const struct path_c
 
 /* ---- one path ---- */
 
-/* Looks at Ctrl-C from time to time, and records every stride-th state and the last one. */
+/* Follows path number `path` of the request to its end state y [n], and passes every stride-th
+ * state and the last one to row(), unless that is NULL. Checks Ctrl-C from time to time. Returns
+ * the number of steps made, fewer than all if the path diverged or was cancelled. */
 int64_t noise_path_follow(const struct path_request *request, uint64_t path, double *y,
                           void (*row)(void *context, size_t row, double t, const double *y),
                           void *context)
@@ -160,7 +164,9 @@ static bool follow_halves(const struct path_request *request, uint64_t path, dou
     return true;
 }
 
-/* Accumulates the squares of the distances over the paths. */
+/* Computes in distance [n] the root mean square, over `paths` paths, of the difference between the
+ * states `end` and those that the same noise gives with half the step. Returns false if a path
+ * diverges or if cancelled. */
 bool noise_path_half_step(const struct path_request *request, const double *end, int64_t paths,
                           double *distance)
 {
@@ -200,8 +206,8 @@ static void keep_row(void *context, size_t row, double t, const double *y)
         noise_path_value(path->work->request->forcing, path->work->column, t, y);
 }
 
-/* Follows path number `index`; `context` is the struct ensemble_work. Values after a divergence are
- * NAN. */
+/* Follows path number `index` of an ensemble and stores its values and end; `context` is the struct
+ * ensemble_work. Values after a divergence are NAN. */
 static void follow_one(void *context, int thread, int64_t index)
 {
     (void)thread;
@@ -223,7 +229,9 @@ double noise_ensemble_bytes(const struct path_request *request, int64_t paths)
            (double)sizeof(double);
 }
 
-/* Allocates the ensemble, follows its paths over threads, and counts those that diverge. */
+/* Allocates the ensemble, follows its paths over threads, and counts those that diverge. Returns
+ * false with an error if out of memory or cancelled; the caller frees the ensemble in either
+ * case. */
 bool noise_ensemble_follow(const struct path_request *request, const struct path_column *column,
                            int64_t paths, struct parallel parallel, struct ensemble *ensemble,
                            struct error *error)
@@ -256,7 +264,8 @@ void noise_ensemble_free(struct ensemble *ensemble)
 
 /* ---- statistics ---- */
 
-/* Returns the mean and its standard error, without overflow and exact for constant values. */
+/* Returns the mean of n values and its standard error, without overflow and exact for constant
+ * values. The mean is NAN for n = 0, the error for n < 2. */
 struct measured noise_mean_of(const double *value, size_t n)
 {
     /* Sums deviations from the first value, so that constant values have no spread. */
@@ -280,7 +289,8 @@ static double ascending_quantile(const double *ascending, size_t n, double share
     return n ? gsl_stats_quantile_from_sorted_data(ascending, 1, n, share) : NAN;
 }
 
-/* Collects the values of the row that are not NAN, then their mean and quantiles. */
+/* Returns mean, standard deviation and quantiles of a row over the paths that have not diverged.
+ * scratch has room for 2 * paths values. */
 struct ensemble_row noise_ensemble_statistics(const struct ensemble *ensemble,
                                               const struct path_grid *grid, size_t row,
                                               double *scratch)

@@ -5,7 +5,8 @@
 #include <hooke/base/elementary.h>
 #include <hooke/base/numeric.h>
 
-/* Applies ten rounds of multiplication and exchange to the counter. */
+/* Sets block to 128 random bits for a counter and a key by Philox 4x32 (ten rounds of
+ * multiplication and exchange). */
 void noise_philox_block(const uint32_t counter[4], const uint32_t key[2], uint32_t block[4])
 {
     /* Multipliers and Weyl constants of the paper's table 2. */
@@ -35,7 +36,8 @@ static double open_fraction(uint32_t high, uint32_t low)
     return ((double)part + 0.5) * 0x1p-52;
 }
 
-/* Makes two normal numbers of each block of random bits (Box, Muller). */
+/* Sets normal [count] to independent normal numbers that depend only on seed, path and step. Each
+ * block of random bits gives two (Box, Muller). */
 void noise_normal_numbers(uint64_t seed, uint64_t path, uint64_t step, int count, double *normal)
 {
     const uint32_t key[2] = {(uint32_t)seed, (uint32_t)(seed >> 32)};

@@ -82,7 +82,8 @@ static void kick_half(struct noise_stepper *stepper, double t, double *y)
     stepper->warm = true;
 }
 
-/* BAOAB (Leimkuhler, Matthews 2013, Appl. Math. Res. eXpress 2013:34, eq. 12). */
+/* Makes a step of BAOAB, in which noise and linear damping act between two half drifts (Leimkuhler,
+ * Matthews 2013, Appl. Math. Res. eXpress 2013:34, eq. 12). */
 static void step_baoab(struct noise_stepper *stepper, double t, double *y, const double *noise)
 {
     const struct noise_forcing *forcing = stepper->forcing;
@@ -176,7 +177,8 @@ static double log_spectral_radius(int n, double *m, double *square)
     return sum;
 }
 
-/* Applies a step without noise to 0 and to each unit vector. */
+/* Computes the matrix m [n][n] that a step without noise applies to the scaled variables of a
+ * linear scene, by steps from 0 and from each unit vector. */
 void noise_step_matrix(struct noise_stepper *stepper, double *m)
 {
     const struct system *system = &stepper->forcing->system;
@@ -194,7 +196,8 @@ void noise_step_matrix(struct noise_stepper *stepper, double *m)
     }
 }
 
-/* Applies a step to 0 with and without a unit increment of each noise. */
+/* Computes in spread [n][n] the covariance that unit increments of all noises add in one step to
+ * the scaled variables of a linear scene. */
 void noise_step_spread(struct noise_stepper *stepper, double *spread)
 {
     const struct system *system = &stepper->forcing->system;
@@ -215,7 +218,9 @@ void noise_step_spread(struct noise_stepper *stepper, double *spread)
     }
 }
 
-/* Compares the spectral radius of the step's matrix with that of the exact flow over h. */
+/* Returns the logarithm of the factor by which a step of h [s] makes a linear scene grow beyond the
+ * exact flow, found from the spectral radii of both; NAN if the scene is not linear or too
+ * large. */
 double noise_stepper_excess_growth(const struct noise_forcing *forcing,
                                    const struct noise_method *method, double h)
 {
@@ -239,7 +244,8 @@ double noise_stepper_excess_growth(const struct noise_forcing *forcing,
     return stepped - fmax(exact, 0);
 }
 
-/* Bisects the step between 0 and h. */
+/* Returns the largest step below h [s] whose excess growth per time is at most rate_max [1/s], by
+ * bisection; 0 if there is none. */
 double noise_stepper_stable_limit(const struct noise_forcing *forcing,
                                   const struct noise_method *method, double h, double rate_max)
 {

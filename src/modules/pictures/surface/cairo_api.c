@@ -14,7 +14,8 @@
 /* Time that a picture may take [s], 1000 times that of the largest known. */
 #define PICTURE_SECONDS_MAX 60
 
-/* Looks up all functions of CAIRO_FUNCTIONS; an old library may lack some. */
+/* Loads the library and looks up all functions of CAIRO_FUNCTIONS into *api. Returns false with an
+ * error if the library is missing, or too old to have all of them. */
 bool cairo_load(struct cairo_api *api, const char *library, struct error *error)
 {
     static const struct library_symbol functions[] = {

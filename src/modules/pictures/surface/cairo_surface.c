@@ -74,7 +74,8 @@ static double cairo_text_width(struct surface *surface, double size, const char 
     return extents.x_advance;
 }
 
-/* Draws a text, rotated or aligned as it asks. */
+/* Draws a text at (text->x, text->y), turned by 90 degrees or aligned (0 left, 1 right) as the text
+ * demands. */
 static void cairo_text_put(struct surface *surface, const struct surface_text *text)
 {
     const struct cairo_surface *canvas = (struct cairo_surface *)(void *)surface;
@@ -127,7 +128,8 @@ static void put_pixels(const struct cairo_api *api, cairo_surface_t *surface, in
                    (struct text){(const char *)pixel + stride * (size_t)y, 4 * (size_t)width});
 }
 
-/* Draws on white paper, then writes PNG or raw pixels; a PDF is written while it is drawn. */
+/* Draws a figure of width x height [pt] on white paper and appends it to output as PNG, raw pixels
+ * or PDF. Returns false with an error if out of memory. */
 bool cairo_picture(const struct cairo_api *api, const struct figure *figure, enum picture kind,
                    double width, double height, struct buffer *output, struct error *error)
 {

@@ -221,7 +221,8 @@ static void svg_text_put(struct surface *surface, const struct surface_text *tex
 
 /* ---- the document ---- */
 
-/* The white background is part of the picture. */
+/* Starts an SVG picture of width x height [pt] with the font size `font` [pt] and, unless NULL or
+ * empty, a title; appends its head and a white background to output. */
 void svg_begin(struct svg_surface *svg, double width, double height, double font, const char *title,
                struct buffer *output)
 {

@@ -74,9 +74,8 @@ static bool has_sixels(struct text attributes)
     return false;
 }
 
-/* Sets *best to the protocol that an answer reports if that is better (its number is smaller).
- * Returns true if no further answer is expected: the attributes (ESC [ ? ... c) were asked for
- * last, and terminals answer in the order of the questions. */
+/* Updates *best, the best protocol so far, by an answer of the terminal. Returns true if it is the
+ * answer to the last query, after which no more follow. */
 static bool evaluate_answer(struct text answer, enum protocol *best)
 {
     enum protocol says = PROTOCOL_NONE;
@@ -160,8 +159,8 @@ static enum protocol protocol_query(bool at_prompt)
     return best;
 }
 
-/* Skips an answer that comes late, before readline gets it as keys. Returns NO_KEY if it was one,
- * else the key. */
+/* Skips an answer that comes late, before readline gets it as keys. `key` is the first byte.
+ * Returns NO_KEY if it began an answer, else the key. */
 static int skip_late_answer(int key)
 {
     if (!pixels.owed || key != '\033')
@@ -236,7 +235,8 @@ static bool put_sixel(const struct buffer *picture, const double page[2], struct
                        (int)(picture->len / stride), output);
 }
 
-/* Makes the picture of a figure and writes it to the terminal. Returns false with an error. */
+/* Makes the picture of a figure in width x height cells and writes it to the terminal by its
+ * protocol. Returns false with an error. */
 static bool pixels_figure_show(const struct figure *figure, int width, int height,
                                struct error *error)
 {
@@ -267,8 +267,8 @@ static bool pixels_figure_show(const struct figure *figure, int width, int heigh
     return ok;
 }
 
-/* Shows a figure as a picture; with NULL it only finds out whether the terminal can show pictures.
- * Returns false with an error if it cannot. */
+/* Shows a figure as a picture of width x height cells; a NULL figure only finds out whether the
+ * terminal can show pictures. Returns false with an error if it cannot. */
 static bool pixels_show(const struct front *front, const struct figure *figure, int width,
                         int height, struct error *error)
 {

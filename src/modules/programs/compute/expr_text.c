@@ -60,7 +60,9 @@ static const struct {
 
 static const char *const pi_word[DIALECTS] = {"3.141592653589793", "pi", "pi", "pi", "\\pi"};
 
-/* Writes a number so that it is a double in any expression. */
+/* Appends a number so that the language reads the same double: pi by name, in TeX as a product with
+ * a power of ten, and large integers of C and Python with ".0", as these are divided by other
+ * rules. */
 void dialect_number(struct buffer *output, enum dialect dialect, double number)
 {
     char z[REAL_TEXT_SIZE];
@@ -121,7 +123,8 @@ static struct text printed_text_keep(struct printer *p, struct buffer *buffer)
     return text_of(text ? text : "");
 }
 
-/* Appends an operand with its sign, in parentheses if it binds less tightly than `binds`. */
+/* Appends an operand with its sign, in parentheses if it binds less tightly than `binds`, the
+ * precedence that its place in the formula needs (SUM to ATOM). */
 static void put_piece(struct printer *p, struct buffer *output, const struct piece *piece,
                       int binds)
 {
@@ -184,7 +187,8 @@ static struct piece sum_of(struct printer *p, const struct piece *a, struct piec
                           .zero = a->zero < b.zero ? a->zero : b.zero};
 }
 
-/* Returns a*b or a/b; a product with 0 is 0. */
+/* Returns a*b, or a/b if is_quotient. A product with 0 is 0, as is a quotient whose numerator is a
+ * parameter or term that is 0; a written number 0 is divided. */
 static struct piece product_of(struct printer *p, struct piece a, struct piece b, bool is_quotient)
 {
     if (is_quotient ? a.zero >= NAME_ZERO : a.zero || b.zero)
@@ -221,8 +225,8 @@ static bool text_is_word(struct text text)
     return text.len > 0;
 }
 
-/* Returns x^n: in C and Python as a product for small n, as hooke computes it, otherwise by a
- * function; elsewhere by an operator. */
+/* Returns x^n: in C and Python as a product or by power() for small n, which gives the same bits as
+ * hooke, otherwise by pow(); in other languages by an operator. */
 static struct piece power_of(struct printer *p, const struct piece *x, const struct piece *n)
 {
     struct buffer text = {0};
@@ -291,7 +295,8 @@ static struct text form_of(struct text name, enum dialect dialect)
     return form;
 }
 
-/* Returns a call of a function in the form that the language has for it. */
+/* Returns a call of a function on its operands, in the form that the language has for it ($1, $2
+ * denote operands), or by the function's name if it has none. */
 static struct piece call_of(struct printer *p, const struct function *function,
                             const struct piece *operand)
 {
@@ -342,7 +347,9 @@ static struct piece apply_operation(struct printer *p, const struct op *op,
     }
 }
 
-/* Writes an expression in a dialect, without products of what is 0. */
+/* Appends an expression in a dialect, without products of what is 0. name[slot] is the text of a
+ * name and zero[slot], unless zero is NULL, true if its value is 0. Returns false if out of
+ * memory. */
 bool expr_text(const struct expr *expr, enum dialect dialect, const char *const *name,
                const bool *zero, struct buffer *output)
 {

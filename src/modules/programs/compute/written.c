@@ -40,7 +40,8 @@ static bool written_slot_find(const void *context, struct text name, int *slot)
     return false;
 }
 
-/* Makes the list of all names. Returns false if out of memory. */
+/* Makes the list w->name of all names in the order of slots: t, variables, parameters, observed
+ * quantities; w->zero marks parameters that are 0. Returns false if out of memory. */
 static bool make_names(struct written *w)
 {
     const struct model *model = w->system.model;
@@ -78,8 +79,9 @@ static const struct expr *built_in(struct written *w, const char *text, struct e
     return expr_compile(text_of(text), &scope, &w->arena, &used, error);
 }
 
-/* Copies an expression of a typed scene with the names of this program. Returns NULL with an error
- * if out of memory. */
+/* Copies an expression of a typed scene with the slots of this program's names instead of the
+ * scene's; a mass that is no parameter becomes its number. Returns NULL with an error if out of
+ * memory. */
 static const struct expr *rename_expr(struct written *w, const struct typed *typed,
                                       const struct expr *expr, struct error *error)
 {
@@ -104,8 +106,9 @@ static const struct expr *rename_expr(struct written *w, const struct typed *typ
     return result;
 }
 
-/* Finds the expression that a term adds to a row; *expr is NULL if it adds nothing. Returns false
- * with an error. */
+/* Finds the expression that a term adds to a row; *expr is NULL if it adds nothing. `as_typed`
+ * prefers the readable form to the one that gives the same bits as hooke. Returns false with an
+ * error. */
 static bool term_row(struct written *w, const struct bound_term *term, int row, bool as_typed,
                      const struct expr **expr, struct error *error)
 {
@@ -162,7 +165,8 @@ static bool take_dry(struct written *w, const struct expr *expr, struct error *e
     return true;
 }
 
-/* Adds all terms of the scene to the sums they belong to. Returns false with an error. */
+/* Adds all terms of the scene to the sums of each row: all terms, and drag and force apart. Dry
+ * friction is stored apart unless as_typed. Returns false with an error. */
 static bool add_terms(struct written *w, bool as_typed, struct error *error)
 {
     for (int i = 0; i < w->system.terms; i++) {
