@@ -93,7 +93,8 @@ static double rms_of_run(const struct adoption *a)
     return rms;
 }
 
-/* Warns that the run differs from the data, with the likely reason. */
+/* Warns that the run with the adopted values differs from the data by the given rms, with the
+ * likely reason: what the scene cannot represent, or what the fit does not include. */
 static void warn_apart(const struct adoption *a, double rms, struct reply *reply)
 {
     const struct fit *fit = &fits_of(a->session)->fit;
@@ -114,7 +115,8 @@ static void warn_apart(const struct adoption *a, double rms, struct reply *reply
     buffer_free(&text);
 }
 
-/* Runs the scene, compares, and adds text and record of the adoption to the reply. */
+/* Runs the scene, compares the run with the data, and adds text and record of the adoption to the
+ * reply. `text` already lists the adopted values. */
 static void reply_adoption(const struct adoption *a, struct buffer *text, struct reply *reply)
 {
     const struct fit *fit = &fits_of(a->session)->fit;
@@ -196,8 +198,8 @@ static int fitted_recording(const struct session *session)
                : -1;
 }
 
-/* Adopts the free parameters of a fit of the scene. Returns false with the error for fits that
- * cannot be adopted. */
+/* Adopts the free parameters of a fit of the scene (`fit scene`). Returns false with the error for
+ * fits of modes or formulas, or of another scene. */
 static bool adopt_curve(struct session *session, const struct arguments *args, struct reply *reply,
                         struct error *error)
 {
@@ -263,10 +265,9 @@ static struct measured converted_rate(struct adoption *a, struct measured rate, 
     return inputs_widen(&used, rate);
 }
 
-/* Adopts the fitted law of damping and the cubic spring into the scene's parameters; `value`
- * [ADOPTED_...] holds the coefficients. Terms that the fit lacks are set to 0. Terms that the scene
- * cannot represent, or that need an unknown scale, are listed as omitted. Returns false with *error
- * if a value is refused. */
+/* Adopts all rates of the fitted law of damping; a rate that the law lacks is set to 0. `value` are
+ * the adopted values of the restoring force. Effects that the scene cannot represent are noted as
+ * left out. Returns false with the error. */
 static bool take_law(struct adoption *a, const struct fit *fit, const struct measured *value,
                      struct error *error)
 {
@@ -337,9 +338,9 @@ static bool can_have_spring(const struct scene *scene, const struct fit *fit, st
     return error_hint(error, "type: scene pendulum; adopt");
 }
 
-/* Sets *scale to the position [m, rad] per unit of a voltage or a force: the option's value, or the
- * scale at which the fitted motion has the amplitude of the scene's; that is 0 for a scene at rest.
- * Returns false with the error. */
+/* Sets *scale to the position [m, rad] per unit of a fitted voltage or force: the value of the
+ * option scale=, or the scale at which the fitted motion has the amplitude of the scene's, which is
+ * 0 for a scene at rest. Returns false with the error. */
 static bool find_scale(const struct adoption *a, const struct fit *fit,
                        const struct argument_value *args, double *scale, struct error *error)
 {
@@ -355,7 +356,8 @@ static bool find_scale(const struct adoption *a, const struct fit *fit,
     return true;
 }
 
-/* Appends the scale and where it comes from. */
+/* Appends the scale, position per unit of `quantity`, and how it was found: by the option scale= if
+ * `option`, otherwise from the scene's amplitude. */
 static void put_scaled(const struct adoption *a, const struct fit *fit, double scale,
                        enum quantity quantity, bool option, struct buffer *text)
 {
@@ -374,8 +376,9 @@ static void put_scaled(const struct adoption *a, const struct fit *fit, double s
         buffer_put(text, TEXT("\nquadratic drag and dry friction are computed with that scale"));
 }
 
-/* Warns of fitted values that the scene does not take, and of effects that the fit does not
- * include. starts tells that the start was adopted, scaled that a voltage or force was fitted. */
+/* Warns of fitted values that the scene does not adopt, and of effects that the fit does not
+ * include. `starts` means that the initial state was adopted, `scaled` that a voltage or force was
+ * fitted, of which `quantity` is the quantity. */
 static void warn_left(const struct adoption *a, const struct fit *fit, bool starts, bool scaled,
                       enum quantity quantity, struct reply *reply)
 {
@@ -407,7 +410,8 @@ static void warn_left(const struct adoption *a, const struct fit *fit, bool star
             "the scene also has quadratic drag or a driving force, which the fit does not include");
 }
 
-/* Adopts the fit of an oscillation: force, law, start, and the zero of the recording. */
+/* Adopts the last fit: restoring force, law of damping, initial state, and the offset as zero of
+ * the recording, and replies. Returns false with the error. */
 bool adopt_fit(struct session *session, const struct arguments *args, struct reply *reply,
                struct error *error)
 {

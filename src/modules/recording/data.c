@@ -33,7 +33,8 @@ static void list_recordings(const struct session *session, struct reply *reply)
     }
 }
 
-/* Sets the zero of a recording. Returns false with the error if its unit is of another quantity. */
+/* Sets the zero of a recording, which is subtracted from its values. Returns false with the error
+ * if the stated unit is of another quantity. */
 static bool set_zero(struct session *session, struct recording *recording,
                      const struct arguments *args, struct error *error)
 {
@@ -62,8 +63,8 @@ static bool set_window(struct recording *recording, const struct argument_value 
     return false;
 }
 
-/* Takes the velocities of a positions' recording from another one, instead of differences. Returns
- * false with the error. */
+/* Lets a recording of positions use the velocities of another recording, instead of differences.
+ * Returns false with the error if the quantities do not fit. */
 static bool recording_join(const struct session *session, struct recording *recording,
                            const struct argument_value *args, struct error *error)
 {

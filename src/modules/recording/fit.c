@@ -19,8 +19,9 @@ bool known_mass(const struct scene *scene, struct measured *mass)
     return true;
 }
 
-/* Keeps a fit of an oscillation in the session, for the report and as results (fit_period …). k is
- * NULL if unknown. */
+/* Stores a fit of an oscillation in the session, for the report and as results (fit_period and so
+ * on). k, the spring constant, is NULL if unknown; inputs are the values that were taken as
+ * exact. */
 static void keep_fit(struct session *session, const struct subject *subject, const struct fit *fit,
                      const struct measured *k, const struct inputs *inputs)
 {
@@ -62,7 +63,8 @@ static bool not_converged(const char *why, struct error *error)
     return error_hint(error, "choose a window where the motion is regular: fit window=FROM:TO");
 }
 
-/* Returns false with the error if there are arguments that belong to other kinds of fit. */
+/* Returns false with the error if there are arguments that the model has no use for: start values,
+ * free=, bootstrap or robust outside of 'fit scene', or a number outside of 'fit modes'. */
 static bool refuse_others(const struct fit_request *call, const struct fit_model *model,
                           struct error *error)
 {
@@ -84,8 +86,9 @@ static bool refuse_others(const struct fit_request *call, const struct fit_model
     return true;
 }
 
-/* Fits the subject with a row of the catalog, keeps the fit and reports it. Returns false with the
- * error. */
+/* Fits the subject by a model of oscillations, stores the fit and replies with it. The spring
+ * constant is computed if the scene is a spring whose mass is known. Returns false with the error,
+ * also if the fit does not converge. */
 static bool fit_motion(const struct fit_request *call, const struct fit_model *model,
                        struct error *error)
 {
@@ -118,8 +121,8 @@ static bool fit_motion(const struct fit_request *call, const struct fit_model *m
     return fit.converged || not_converged(why, error);
 }
 
-/* Arranges that the recording which is being collected, or the next one, is fitted every second.
- * Returns false with the error for arguments that do not go with it. */
+/* Sets fits->live, so that the recording which is being collected, or the next one, is fitted every
+ * second. Returns false with the error for arguments that cannot be combined with --live. */
 static bool fit_while_collecting(struct session *session, const struct arguments *args,
                                  struct reply *reply, struct error *error)
 {

@@ -12,7 +12,8 @@
 
 /* ---- what stays ---- */
 
-/* Copies the times and the fitted values, which the session then owns. */
+/* Stores the fitted curve (samples minus residuals) in the session as the last fit, which owns the
+ * copies. Returns false with the error if out of memory; the previous fit then remains. */
 bool session_add_curve(const struct fit_request *call, const double *residual,
                        const struct fit *fit, struct error *error)
 {
@@ -56,8 +57,8 @@ static double plain_rms(const struct curve_fit *fit, size_t n)
     return sqrt(sum / (double)used);
 }
 
-/* Keeps the curve at the samples as the last fit, and its parameters as results (fit_NAME). Returns
- * false with the error if out of memory. */
+/* Stores the curve at the samples as the last fit, and its parameters as results (fit_NAME).
+ * `offset` is the fitted or stated offset. Returns false with the error if out of memory. */
 static bool keep_curve(const struct fit_request *call, const struct fit_summary *summary,
                        const char *model, struct measured offset, struct error *error)
 {
@@ -139,8 +140,9 @@ static bool take_values(const struct fit_request *call, struct scene *scene, dou
     return true;
 }
 
-/* Appends the parameters of free= to index. Returns false with the error for unknown or repeated
- * names. */
+/* Appends the parameters that free= names to index[] and increases *count. The offset is left out,
+ * as it is always free unless a value is stated. Returns false with the error for unknown or
+ * repeated names. */
 static bool take_free(const struct fit_request *call, int *index, int *count, struct error *error)
 {
     const struct argument_value *names = argument_value(call->args, "free");
@@ -205,8 +207,8 @@ static bool subtract_offset(struct series *series, double offset, struct arena *
     return true;
 }
 
-/* Copies the covariances of the free parameters, in ascending order of their indices in the scene;
- * n becomes 0 if one is not determined. */
+/* Copies the covariances of the `frees` free parameters, in ascending order of their indices in the
+ * scene; result->n becomes 0 if one is not determined. Parameters at a bound have none (0). */
 static void copy_covariances(const struct scene_fit *fit, int frees, struct fit_covariance *result)
 {
     int order[CURVE_PARAMETERS];
@@ -225,9 +227,8 @@ static void copy_covariances(const struct scene_fit *fit, int frees, struct fit_
         }
 }
 
-/* Fits parameters of the scene to the recording: the ones that the call frees or, if none is named,
- * the usual ones. An offset is fitted too unless its value is given. Reports the result and keeps
- * it for `adopt`. Returns false with *error if an argument is invalid or the fit fails. */
+/* Fits parameters of the scene to the subject by integrating it, replies with them and stores the
+ * result. Returns false with the error. */
 bool fit_the_scene(const struct fit_request *call, struct error *error)
 {
     struct session *session = call->session;
@@ -303,9 +304,9 @@ static bool is_named_by_user(const struct arguments *args, struct text name)
     return false;
 }
 
-/* Finds a constant for the compiler of formulas, sets *slot, and appends "NAME = VALUE" to the list
- * of fixed values; context is a struct known_names. Returns false for names that are not constants:
- * those that the user fits, variables and observables of a scene. */
+/* Looks a name up for the compiler of formulas and adds a constant to the list of fixed values.
+ * Returns false for names that are to be fitted: those with a start value, observables, and
+ * variables of scenes. */
 static bool find_known(const void *context, struct text name, int *slot)
 {
     const struct known_names *known = context;
@@ -364,7 +365,8 @@ static bool read_formula(const struct fit_request *call, struct text text, struc
     return true;
 }
 
-/* Reads the formula, fits it, reports it and keeps the result. */
+/* Fits the parameters of the formula `text` to the subject, replies with them and stores the
+ * result. Returns false with the error. */
 bool fit_a_formula(const struct fit_request *call, struct text text, struct error *error)
 {
     struct arena *arena = call->args->arena;

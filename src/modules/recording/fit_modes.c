@@ -49,7 +49,8 @@ static struct measured measured_inverse(struct measured f)
     return (struct measured){1 / f.value, f.uncertainty / (f.value * f.value)};
 }
 
-/* Appends splitting and coupling of two modes. */
+/* Appends splitting and beats of two modes, and the coupling of two equal oscillators that would
+ * have these modes. */
 static void put_coupling(const struct fit_summary *summary, struct buffer *text)
 {
     const struct modes_fit *modes = summary->modes;
@@ -148,7 +149,9 @@ static struct measured coupling_spring(const struct modes_fit *modes, const stru
                                        mass->uncertainty * modes->stiffness.value)};
 }
 
-/* Fits the modes, reports them and keeps the result. */
+/* Fits a sum of damped modes, replies with them and stores the result. `mass`, NULL if unknown,
+ * gives the spring constant of the coupling. Returns false with the error, also if the fit does not
+ * converge. */
 bool fit_the_modes(const struct fit_request *call, const struct measured *mass, struct error *error)
 {
     struct modes_fit modes;

@@ -185,7 +185,7 @@ static void rank_laws(const struct fit *fit, int *rank)
     }
 }
 
-/* Appends the table of laws and the verdict. */
+/* Appends the table of the compared laws of damping, best first, and the verdict. */
 static void put_laws(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
     static const char *const names[DRAG_RATES] = {"gamma", "b", "f"};
@@ -205,7 +205,8 @@ static void put_laws(const struct fit_summary *summary, struct arena *arena, str
     put_forces(summary, text);
 }
 
-/* Appends the values of an oscillation. */
+/* Appends the values of an oscillation: period, damping, amplitude, phase, offset, rms, spring
+ * constant, and the laws of damping if compared. */
 static void put_motion(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
     const struct fit *fit = summary->motion;
@@ -285,7 +286,8 @@ bool fit_correlated(const struct curve_fit *curve, int i, int j)
            fabs(curve->correlation[i][j]) > CORRELATION_STRONG;
 }
 
-/* Appends the parameters, residuals and correlations of a curve. */
+/* Appends the parameters of a fitted curve, its residuals, and pairs of parameters that are
+ * correlated. */
 static void put_curve(const struct fit_summary *summary, struct arena *arena, struct buffer *text)
 {
     const struct curve_fit *curve = summary->curve;

@@ -77,7 +77,8 @@ static const struct field fit_sound[] = {
     FIT_IN(covariance.n, 0, CURVE_PARAMETERS),
 };
 
-/* Returns true if a fit that was read can be used in a session. */
+/* Returns true if a fit that was read from a session file can be used: its enumerations, flags and
+ * texts are valid. */
 static bool sound_fit(const struct fit *fit)
 {
     const struct field law = FIELD_IN(struct drag_candidate, law, LAW_NONE, LAW_UNDECIDED),
@@ -147,7 +148,8 @@ bool fits_content(void *part, struct text piece[2], uint64_t **sum)
     return fits->fit_samples > 0;
 }
 
-/* Writes the members, the last fit, the names of models, and the scenes. */
+/* Appends the fits of a session for its file: last fit, stored fits, names of models, and the
+ * fitted and adopted scenes. The curve is stored elsewhere and named by its checksum. */
 void fits_put(const void *part, struct buffer *output)
 {
     const struct fits *fits = part;

@@ -81,7 +81,8 @@ void reply_recording(const struct recording *recording, struct reply *reply)
     reply_end(reply);
 }
 
-/* Appends the options with which the file is loaded again in the same way, for a saved session. */
+/* Appends the options of `load` with which the file is loaded again in the same way, for a saved
+ * session. */
 static void put_options(const struct arguments *args, struct buffer *output)
 {
     static const char *const keys[] = {"t",    "y",       "run", "unit", "tunit",
@@ -171,8 +172,8 @@ static bool has_times(const struct table *table)
     return false;
 }
 
-/* Reads a table that `export` wrote, unless it is a recording, in which times come first. Sets
- * *found if it is such a table. Returns false with the error if it is malformed. */
+/* Reads the file as a table that `export` wrote, and sets *found if it is one; a recording, in
+ * which times come first, is not. Returns false with the error if the table is malformed. */
 static bool read_table(const char *path, const struct cancel *cancel, struct arena *arena,
                        struct table *table, bool *found, struct error *error)
 {
@@ -245,8 +246,9 @@ static bool read_sum(struct text text, uint64_t *sum, struct error *error)
     return true;
 }
 
-/* Finds a recording that has moved, by the same bytes under the same name, beside the command file
- * or in the current folder. Returns NULL with the earlier error and a hint if there is none. */
+/* Finds a recording that has moved, by its checksum `sum` under the same name, beside the command
+ * file or in the current folder. Returns it with a note, or NULL with the earlier error and a
+ * hint. */
 static struct recording *load_moved(const struct arguments *args, const char *path, uint64_t sum,
                                     const struct load_options *options, struct reply *reply,
                                     struct error *error)
@@ -291,8 +293,8 @@ static bool needs_file(const struct arguments *args, struct error *error)
     return error_hint(error, "'load disk.txt' reads a recording, 'load scene lorenz.ode' a scene");
 }
 
-/* Loads a scene from another program's file, by the module that reads its ending. Returns false
- * with the error. */
+/* Loads a scene from a file of another program, by the module that reads files with its ending.
+ * Returns false with the error. */
 static bool load_scene(struct session *session, const struct arguments *args, struct reply *reply,
                        struct error *error)
 {

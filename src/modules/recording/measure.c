@@ -118,7 +118,8 @@ static bool read_period(struct measuring *m, struct period *p)
     return true;
 }
 
-/* Measures the period, once or in windows, and compares it with theory and autocorrelation. */
+/* Measures the period, once or in windows, compares it with theory and autocorrelation, and
+ * replies. Returns false with the error. */
 static bool measure_period(struct measuring *m)
 {
     const struct argument_value *windows = argument_value(m->args, "windows");
@@ -152,7 +153,8 @@ static bool measure_period(struct measuring *m)
     return measure_say(m, &text);
 }
 
-/* Measures frequency and angular frequency from the period. */
+/* Measures frequency and angular frequency from the period and replies. Returns false with the
+ * error. */
 static bool measure_frequency(struct measuring *m)
 {
     struct period p;
@@ -173,7 +175,8 @@ static bool measure_frequency(struct measuring *m)
     return measure_say(m, &text);
 }
 
-/* Measures gamma from readings of the amplitude, with 1/e time, decrement and quality factor. */
+/* Measures gamma from readings of the amplitude or energy, with 1/e time, decrement and quality
+ * factor, and replies. Returns false with the error. */
 static bool measure_decay(struct measuring *m)
 {
     const struct argument_value *windows = argument_value(m->args, "windows");
@@ -235,7 +238,8 @@ static bool measure_decay(struct measuring *m)
     return measure_say(m, &text);
 }
 
-/* Measures mean and spread of the energy over the window. */
+/* Measures mean and spread of the energy over the window and replies. Returns false with the
+ * error. */
 static bool measure_energy(struct measuring *m)
 {
     const struct series *s = &m->subject.series;
@@ -265,7 +269,8 @@ static bool measure_energy(struct measuring *m)
     return measure_say(m, &text);
 }
 
-/* Measures the error of a run's energy balance. */
+/* Measures the error of a run's energy balance and replies. Returns false with the error, which
+ * tells why a balance is unknown. */
 static bool measure_drift(struct measuring *m)
 {
     struct ledger ledger;
@@ -332,7 +337,8 @@ static bool largest_speed(struct measuring *m, struct measured *speed)
     return true;
 }
 
-/* Measures the Reynolds number at the largest speed. */
+/* Measures the Reynolds number at the largest speed, with its regime of flow, and replies. Returns
+ * false with the error. */
 static bool measure_reynolds(struct measuring *m)
 {
     struct measured speed = {NAN, 0};
@@ -359,7 +365,8 @@ static bool measure_reynolds(struct measuring *m)
     return measure_say(m, &text);
 }
 
-/* Measures k = m (omega^2 + gamma^2/4), with gamma from the decay if it can be measured. */
+/* Measures k = m (omega^2 + gamma^2/4), with gamma from the decay if that can be measured, else 0,
+ * and replies. The mass is the recording's own or the scene's. Returns false with the error. */
 static bool measure_k(struct measuring *m)
 {
     const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;
@@ -402,7 +409,8 @@ static bool measure_k(struct measuring *m)
     return measure_say(m, &text);
 }
 
-/* Lists the lines of the spectrum; the strongest is the measurement. */
+/* Replies with the lines of the spectrum; the strongest is the measurement. Returns false with the
+ * error if no line is significant. */
 static bool measure_spectrum(struct measuring *m)
 {
     struct spectrum_peak found[PEAKS_EACH];

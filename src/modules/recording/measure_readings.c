@@ -37,7 +37,7 @@ static struct measured two_over(struct measured x)
 }
 
 /* Returns the time [s] in which the first reading falls to 1/e, on the straight line between the
- * logarithms of the two readings around it, or NAN if it does not. */
+ * two of the count logarithms log_a[] at times t[] around it, or NAN if it does not fall so far. */
 static struct measured fall_to_e(const double *t, const struct measured *log_a, int count)
 {
     const double wanted = log_a[0].value - 1;
@@ -54,7 +54,9 @@ static struct measured fall_to_e(const double *t, const struct measured *log_a, 
     return (struct measured){NAN, NAN};
 }
 
-/* Fits ln A by a straight line, and also finds the time to 1/e of the first reading. */
+/* Fits ln A of the readings by a straight line, finds the time to 1/e of the first reading, and
+ * adds both decay rates to text and reply. Adds nothing for too few readings, or if they do not
+ * fall. */
 void measure_fall(struct measuring *m, const struct reading *reading, int count,
                   struct buffer *text)
 {
@@ -95,9 +97,8 @@ void measure_fall(struct measuring *m, const struct reading *reading, int count,
     reply_end(m->reply);
 }
 
-/* Sets *reading_time [*count], in the arena, to the times [s] of the readings: those of at=, the
- * middles of the equal windows of windows=N, or the start of the recording. Returns false with
- * m->error if there are too many or if out of memory. */
+/* Sets *reading_time to the *count times [s] of the readings, in the arena: the stated ones, the
+ * middles of equal windows, or the start. Returns false with the error. */
 static bool reading_times(struct measuring *m, double **reading_time, int *count)
 {
     const struct argument_value *times = argument_value(m->args, "at"),
@@ -118,7 +119,8 @@ static bool reading_times(struct measuring *m, double **reading_time, int *count
     return true;
 }
 
-/* Reads the amplitude at each time, adds it to the list, and reports the decay. */
+/* Reads the amplitude at each time, adds it to the session's measurements, and replies with
+ * readings and decay. Returns false with the error. */
 bool measure_amplitude(struct measuring *m)
 {
     const enum quantity unit = m->subject.series.quantity;
@@ -151,8 +153,8 @@ bool measure_amplitude(struct measuring *m)
 
 /* ---- the period against the amplitude ---- */
 
-/* Reports by how much the period changes from the smallest to the largest amplitude, if there are
- * enough readings. */
+/* Adds to text and reply by how much the period changes from the smallest to the largest of `count`
+ * amplitudes a[], if there are enough readings and the amplitudes differ. */
 static void say_dependence(struct measuring *m, const double *a, const struct measured *period,
                            int count, struct buffer *text)
 {
@@ -182,7 +184,8 @@ static void say_dependence(struct measuring *m, const double *a, const struct me
     reply_end(m->reply);
 }
 
-/* Reports the period and the amplitude of one window, with the theory for that amplitude. */
+/* Adds the period and amplitude of one window to text and reply, with the theory for that
+ * amplitude. `first` omits the line end before it. */
 static void say_reading(struct measuring *m, const struct period_reading *r, bool first,
                         struct buffer *text)
 {
@@ -203,7 +206,8 @@ static void say_reading(struct measuring *m, const struct period_reading *r, boo
     reply_end(m->reply);
 }
 
-/* Reads the windows, reports each, and then the dependence on the amplitude. */
+/* Reads period and amplitude in `windows` equal windows, adds each to text and reply, then the
+ * dependence on the amplitude. Returns false with the error. */
 bool measure_periods(struct measuring *m, int windows, struct buffer *text)
 {
     struct arena *arena = m->args->arena;

@@ -24,7 +24,8 @@ struct repeated {
 
 /* ---- one value ---- */
 
-/* Measures the quantity once, in a series of a recording. Returns false with the error. */
+/* Measures the quantity `what` once, in a series of a recording, in *value. k has no uncertainty of
+ * the mass, which is the same each time. Returns false with the error. */
 static bool repeat_value(struct measuring *m, const struct recording *recording,
                          enum measurable what, const struct series *series, struct arena *arena,
                          struct measured *value)
@@ -60,7 +61,8 @@ static bool repeat_value(struct measuring *m, const struct recording *recording,
            error_set(m->error, ERROR_COMMAND, "k needs the mass, for example: data mass 200 g");
 }
 
-/* Measures one series and adds the value. Returns false with the error, which names it. */
+/* Measures one series and adds its value to r under the name. Returns false with the error, which
+ * is prefixed by the name. */
 static bool repeated_add(struct measuring *m, struct repeated *r, const struct recording *recording,
                          const struct series *series, const char *name)
 {
@@ -77,7 +79,8 @@ static bool repeated_add(struct measuring *m, struct repeated *r, const struct r
     return true;
 }
 
-/* Returns the quantity of the values; of_series is that of the series. */
+/* Returns the quantity of the values of `what`; of_series is that of the series, which amplitudes
+ * have. */
 static enum quantity repeat_unit(enum measurable what, enum quantity of_series)
 {
     switch (what) {
@@ -132,8 +135,8 @@ static bool add_recording(struct measuring *m, struct repeated *r, struct record
     return true;
 }
 
-/* Sets index to the recordings that are named; without a name to all, or to the current one if
- * windows were asked for. Returns their number. */
+/* Sets index[] to the recordings that are named; without a name to all, or only to the current one
+ * if it is to be divided into windows. Returns their number. */
 static int chosen_recordings(const struct measuring *m, bool windows, int *index)
 {
     const struct session *session = m->session;
@@ -154,7 +157,8 @@ static int chosen_recordings(const struct measuring *m, bool windows, int *index
     return count;
 }
 
-/* Reads the arguments and measures all values. Returns false with the error. */
+/* Reads the arguments of `measure repeat` and measures all values into r. Returns false with the
+ * error. */
 static bool measure_all(struct measuring *m, struct repeated *r)
 {
     const struct argument_value *windows = argument_value(m->args, "windows"),
@@ -184,7 +188,8 @@ static bool measure_all(struct measuring *m, struct repeated *r)
 
 /* ---- what is said ---- */
 
-/* Appends mean, weighted mean, Birge ratio and the value to quote. */
+/* Appends mean, weighted mean, Birge ratio (scatter relative to the stated uncertainties) and the
+ * value to quote. */
 static void put_scatter(const struct repeated *r, const struct repeat *repeat, struct buffer *text)
 {
     put_measured(text, "\nmean", repeat->mean, r->unit);
@@ -238,7 +243,8 @@ static void reply_repeat(struct measuring *m, const struct repeated *r, const st
     reply_end(m->reply);
 }
 
-/* Measures all values, computes their statistics, and reports them. */
+/* Measures a quantity in several recordings or windows, and replies with the statistics of the
+ * values. Returns false with the error. */
 bool measure_repeat(struct measuring *m)
 {
     struct repeated r = {.count = 0};

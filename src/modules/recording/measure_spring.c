@@ -16,7 +16,8 @@ struct hung {
     struct measured period, square, k; /* T; T0^2 [s^2]; k from this mass alone */
 };
 
-/* Fits a damped sine to the recording and fills *hung. Returns false with the error. */
+/* Fits a damped sine to hung->recording and fills in its period, k and T0^2. Returns false with the
+ * error, also if the fit does not converge. */
 static bool fit_one(struct measuring *m, struct hung *hung)
 {
     const struct fit_model *damped = fit_model_by_name(TEXT("damped"));
@@ -57,7 +58,8 @@ static void put_each(struct buffer *text, const struct hung *hung, int count)
     }
 }
 
-/* Adds the record of the measurement. */
+/* Adds the record of the measurement: k, effective mass of the spring, test of the line, and each
+ * recording. */
 static void reply_spring(struct measuring *m, const struct hung *hung, int count,
                          const struct line_fit *line, struct measured k, struct measured spring)
 {
@@ -87,7 +89,8 @@ static struct measured line_ratio(const struct line_fit *line)
         value, sqrt(fmax(ui * ui + value * value * us * us - 2 * value * line->covariance, 0)) / s};
 }
 
-/* Fits each recording with a known mass, then T0^2 against the masses. */
+/* Measures k and the effective mass of a spring: fits each recording with a known mass, then a line
+ * through T0^2 against the masses, and replies. Returns false with the error. */
 bool measure_spring(struct measuring *m)
 {
     const struct session *session = m->session;
