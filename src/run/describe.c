@@ -175,7 +175,7 @@ static void describe_tolerance(const struct system *system, const struct run_set
 {
     buffer_format(text, "chosen by the error estimate, tol = ");
     buffer_short(text, settings->tol, 3);
-    buffer_format(text, " of the scene's own scale; the first guess is dt = ");
+    buffer_format(text, " relative to the natural size of each variable; first dt = ");
     buffer_quantity(text, settings->dt, QUANTITY_TIME, 6);
     for (int i = 0; i < system->n; i++)
         if (system->atol[i] > 0) {

@@ -40,9 +40,9 @@ static void describe_layout(const struct session *session, struct buffer *text)
     /* A pane that no layout has takes the first place of each. */
     const struct plot_row *focus = plot_row(view_focus(view));
     const bool guest = !focus->in_layouts && view->layout != LAYOUT_LOG;
-    const char *const name = guest ? focus->row.name : "";
-    buffer_format(text, "layout %s: %s%s%s", row->row.name, row->row.brief,
-                  guest ? "; first, until 'focus position': " : "", name);
+    buffer_format(text, "layout %s: %s", row->row.name, row->row.brief);
+    if (guest)
+        buffer_format(text, "; the first pane shows %s until 'focus position'", focus->row.name);
     if (drawn == view->layout)
         return;
     buffer_format(text, "\nit needs %d columns", row->width);

@@ -33,17 +33,19 @@ void plan_opinion(const struct session *session, const struct system *system,
         return;
     buffer_format(text, "%-10s", "error");
     if (kind == OPINIONS_OFF)
-        buffer_put(text, TEXT("not estimated (set opinion off)\n"));
+        buffer_put(text, TEXT("not estimated, because of 'set opinion off'\n"));
     else if (plan->exact_known)
         buffer_put(text, TEXT("from the closed form, at some of the rows\n"));
     else if (kind == OPINIONS_FULL)
-        buffer_put(text,
-                   TEXT("from a second solution to the end, about as much work as the run\n"));
+        buffer_put(
+            text,
+            TEXT("from a second solution to the end, which is about as much work as the run\n"));
     else
         buffer_format(
             text,
-            "from a second solution with %.0f %% of the run's work; if no digit may be\n          "
-            "right, up to %.0f evaluations or half of it ('set opinion off': none)\n",
+            "from a second solution with %.0f %% of the run's work; if perhaps no digit is\n"
+            "          right, up to %.0f evaluations or half of the run's work ('set opinion off'\n"
+            "          omits it)\n",
             100 * OPINION_BRIEF_SHARE, OPINION_BUDGET_DOUBT / system->n);
 }
 
@@ -182,8 +184,8 @@ void reply_below_tolerance(const struct run *run, struct reply *reply)
         buffer_format(&names, " and %d more", count - NAMED);
     if (count > 0) {
         const char *const advice = first < 0 ? "; a smaller tol may help" : "";
-        reply_line(reply, "no digit of %s is certain: below %s tolerance or error%s",
-                   buffer_view(&names), count > 1 ? "their" : "its", advice);
+        reply_line(reply, "no digit of %s is certain: %s tolerance or error%s", buffer_view(&names),
+                   count > 1 ? "they are below their" : "it is below its", advice);
         if (first >= 0)
             reply_line(reply, "'atol %s = VALUE' sets a smaller tolerance",
                        system_variable(&run->system, first).name);

@@ -265,7 +265,7 @@ HANDLER(show)
     if (model_variable(scene->model, name) >= 0 || model_observation(scene->model, name) >= 0) {
         error_at(error, name, "'%.*s' has no value: there is no run of this scene yet",
                  (int)name.len, name.data);
-        return error_hint(error, "type: run  ('show scene' lists the start)");
+        return error_hint(error, "type: run  ('show scene' lists the initial values)");
     }
     error_at(error, name, "unknown name '%.*s'", (int)(name.len < 80 ? name.len : 80), name.data);
     error->unknown = "name";

@@ -138,14 +138,14 @@ static bool calibrate_from_readings(struct session *session, const struct raw ra
     const struct unit *const units[4] = {raw[0].unit, unit[0], raw[1].unit, unit[1]};
     struct calibration c;
     if (!(apart > READING_SEPARATION_SIGMAS * noise)) {
-        error_set(error, ERROR_COMMAND, "it read %s both times, so there is only one point",
+        error_set(error, ERROR_COMMAND, "the device read %s both times, so there is only one point",
                   with_unit(raw[0].mean, raw[0].unit).text);
-        return error_hint(error, "check that it was moved and that the column is right");
+        return error_hint(error, "check that the body was moved and that the column is right");
     }
     for (int i = 0; i < 2; i++) {
         const char *const name = raw[i].unit ? raw[i].unit->row.name : "";
         if (raw[i].scatter > READING_SCATTER_MAX * apart)
-            reply_warning(reply, "it was not at rest: the readings at %s scatter by %.2g%s%s",
+            reply_warning(reply, "the body was not at rest: the readings at %s scatter by %.2g%s%s",
                           with_unit(truth[i], unit[i]).text, raw[i].scatter, *name ? " " : "",
                           name);
     }

@@ -48,12 +48,13 @@ static void put_turning(const struct comparison *rows, int count, struct buffer 
     for (int i = 0; i < count; i++) {
         const int64_t turns = rows[i].run->cost.turns;
         if (turns > 0)
-            buffer_format(output, "%s%s %lld",
-                          any ? ", "
-                          : rows[i].run->system.switches > rows[i].run->system.dry
-                              ? "extra steps that end at switches (set turning off): "
-                              : "extra steps that end at turning points (set turning off): ",
-                          rows[i].run->method->row.name, (long long)turns);
+            buffer_format(
+                output, "%s%s %lld",
+                any ? ", "
+                : rows[i].run->system.switches > rows[i].run->system.dry
+                    ? "extra steps to end at switches ('set turning off' avoids them): "
+                    : "extra steps to end at turning points ('set turning off' avoids them): ",
+                rows[i].run->method->row.name, (long long)turns);
         any |= turns > 0;
     }
     if (any)

@@ -18,7 +18,7 @@ static void put_slope(const struct precision_curve *curve, struct buffer *output
 {
     if (curve->fitted == 0) {
         buffer_format(output, "no slope: %s\n",
-                      isnan(curve->expected) ? "it has no error of its own"
+                      isnan(curve->expected) ? "the method makes no error in this scene"
                                              : "fewer than 3 errors lie between 5 % and rounding");
         return;
     }
@@ -313,8 +313,8 @@ void precision_winners(const struct precision *precision, int step, bool all, in
         return;
     if (all)
         buffer_put(output, is_row_timed(row)
-                               ? TEXT("fastest method for an error (= : the times "
-                                      "[minimum, median] overlap)\n")
+                               ? TEXT("fastest method for an error (= marks methods "
+                                      "whose times [minimum, median] overlap)\n")
                                : TEXT("method with the fewest evaluations for an error\n"));
     columns_text(&fastest_columns, row, count, all, &table);
     text_table_put(&table, output);

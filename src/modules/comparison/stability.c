@@ -112,12 +112,13 @@ static void put_scene(struct buffer *output, const struct session *session,
             s->growth_exact);
     else if (s->grows)
         buffer_put(output, TEXT("  the scene itself grows (eigenvalues with positive real part); "
-                                "others are tested\n"));
+                                "the other eigenvalues are tested\n"));
     if (s->linear)
         return;
     buffer_format(
         output,
-        "  the scene itself with this dt: %s at t = %.4g s, at most %.3g times its natural size\n",
+        "  the scene itself with this dt: %s at t = %.4g s; its largest state was %.3g times the "
+        "natural size\n",
         outcome_name(s->stop), s->reached, s->largest);
 }
 

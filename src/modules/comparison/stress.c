@@ -136,8 +136,10 @@ static void put_totals(const struct stress *stress, const struct method *const *
     if (lines > 0)
         text_table_put(&table, output);
     if (shown < wrong)
-        buffer_format(output, "... %d more methods with at most %d wrong cases: --full\n",
-                      wrong - shown, total[shown].count[CLASS_WRONG]);
+        buffer_format(
+            output,
+            "... %d more methods with at most %d wrong cases ('stress --full' lists them)\n",
+            wrong - shown, total[shown].count[CLASS_WRONG]);
     buffer_put(output, buffer_text(&right));
     buffer_free(&right);
 }

@@ -397,8 +397,10 @@ HANDLER(branch)
         return false;
     const bool two = words.params == 2;
     if (two && !start.point)
-        return error_set(error, ERROR_COMMAND,
-                         "two parameters follow a special point: branch P=.. Q=.. from LP1");
+        return error_set(
+            error, ERROR_COMMAND,
+            "a branch in two parameters must start from a special point, as in branch P=.. "
+            "Q=.. from LP1");
     const struct branch_axis second = {words.param[1], words.low[1], words.high[1]};
     struct solution solution = start.solution;
     solution.param[0] = start.scene.value[words.param[0]];

@@ -282,23 +282,28 @@ static bool refuse_pieces(struct scene_program *p)
         (!p->turns || (method_runge_kutta(p->method, &table) && p->dialect != DIALECT_OCTAVE)))
         return true;
     if (system->dry)
-        error_set(p->error, ERROR_COMMAND,
-                  "steps end where the body turns, sticks and breaks away, which cannot be written "
-                  "as a program");
+        error_set(
+            p->error, ERROR_COMMAND,
+            "the scene cannot be written as a program: its steps must end where the body turns, "
+            "sticks and breaks away");
     else if (pieces)
-        error_set(p->error, ERROR_COMMAND,
-                  "steps end where the forces jump or bend, which cannot be written as a program");
+        error_set(
+            p->error, ERROR_COMMAND,
+            "the scene cannot be written as a program: its steps must end where forces jump or "
+            "bend");
     else
-        error_set(p->error, ERROR_COMMAND,
-                  "steps of %s end where the velocity turns, because the force bends there, which "
-                  "cannot be written as a program",
-                  p->method->row.name);
+        error_set(
+            p->error, ERROR_COMMAND,
+            "the scene cannot be written as a program: steps of %s must end where the velocity "
+            "changes its sign, because the force bends there",
+            p->method->row.name);
     if (p->plan.adaptive && pieces && !system->dry)
         return error_hint(p->error,
                           "fixed steps ('set turning off', then 'method %s dt=10ms') step across "
-                          "and can be written",
+                          "these points and can be written",
                           p->method->row.name);
-    return error_hint(p->error, "'set turning off' makes steps across, which can be written");
+    return error_hint(p->error,
+                      "after 'set turning off' steps cross these points and can be written");
 }
 
 /* ---- all ---- */

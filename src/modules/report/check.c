@@ -250,8 +250,8 @@ static bool report_taken(struct check *check, int index)
     buffer_format(&copy,
                   recording_from_folder(session, index) ? "recording-%d.csv" : "recording-%d-%.*s",
                   index + 1, (int)file.len, file.data);
-    reply_line(check->reply, "the file of %s is not here; %s was used instead%s", recording->name,
-               buffer_view(&copy), found ? " (the file of that name is a different one)" : "");
+    reply_line(check->reply, "the file of %s %s; %s was used instead", recording->name,
+               found ? "has other content here" : "was not found", buffer_view(&copy));
     buffer_free(&copy);
     return true;
 }

@@ -36,8 +36,9 @@ bool sweep_figure(struct drawing *d, struct figure *figure)
     const bool map = !section && found->table.rows > 1 && column[1].value[0] == column[1].value[1];
     if (map && text_is(text_of(column[3].name), "event")) {
         error_set(d->error, ERROR_COMMAND,
-                  "a section over two parameters cannot be drawn as a map");
-        return error_hint(d->error, "'plot COLUMN against COLUMN of sweep' draws its columns");
+                  "a sweep of a section over two parameters cannot be drawn as a map");
+        return error_hint(d->error,
+                          "'plot COLUMN against COLUMN of sweep' draws two of its columns");
     }
     if (map) {
         const char *shade =

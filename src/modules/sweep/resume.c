@@ -174,8 +174,8 @@ static bool refuse_head(const struct growing_file *g, struct error *error)
               safe_name(text_of(g->file.path), name), buffer_view(&one), buffer_view(&other));
     buffer_free(&one);
     buffer_free(&other);
-    return error_hint(error,
-                      "the file is unchanged; use another name, or the set-up in its # lines");
+    return error_hint(
+        error, "the file is unchanged; use another name, or the set-up that its # lines list");
 }
 
 /* Returns true if a file without points is the begin of the wanted head, as a killed program leaves

@@ -249,7 +249,8 @@ static void put_starts(const struct swept *swept, struct buffer *text)
                   model_state(swept->model, (struct text){name.data, name.len - 1}) >= 0;
     }
     if (starts == sweep->axes)
-        buffer_put(text, TEXT("only starts differ; 'basins' shows the attractor of each start\n"));
+        buffer_put(
+            text, TEXT("only initial values differ; 'basins' shows the attractor of each start\n"));
 }
 
 /* Appends a line such as "103 of 103 points in 0.1 s ...": points, time, steps, lanes and

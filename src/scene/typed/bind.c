@@ -84,8 +84,8 @@ static bool typed_is_complete(const struct typed *typed, struct error *error)
 {
     if (!typed->base && typed->model.n == 0) {
         error_set(error, ERROR_COMMAND, "the scene has no variable yet");
-        return error_hint(error,
-                          "'var x = 1' makes one, 'x' = EXPR' or 'x'' = EXPR' gives its law");
+        return error_hint(error, "'var x = 1' declares a variable, and 'x' = EXPR' or 'x'' = EXPR' "
+                                 "sets its equation");
     }
     if (typed->incomplete < 0)
         return true;
@@ -186,8 +186,9 @@ static bool refuse_potential(const struct system *system, const double *y, int i
               "the potential does not match the force: at %s, -dV/d%s is %s but the force is %s",
               state_text.data ? state_text.data : "?", name, got, wanted);
     buffer_free(&state_text);
-    return error_hint(error, "-dV/dx (V in joules) must be the part of the force that depends on "
-                             "positions only; without a potential the force counts as work");
+    return error_hint(error,
+                      "-dV/dx (V in joules) must be the part of the force that depends on "
+                      "positions only; without a potential, energies count the work of the force");
 }
 
 /* Compares the slope of the potential with the force at random points, once for each part. */

@@ -152,8 +152,7 @@ static void put_observed_energy(const struct comparison *row, const char *span,
         buffer_put(output, TEXT("energy balance "));
         put_energy_off(ledger->error_max, output);
     } else if (!run->system.conservative) {
-        buffer_format(output,
-                      "energy balance within %.2g of the largest energy in %s, which is %.2g E0",
+        buffer_format(output, "energy balance within %.2g times the largest energy in %s (%.2g E0)",
                       ledger->error_max / peak, span, peak);
         return;
     } else if (energy_trend(run) <=

@@ -69,8 +69,8 @@ bool branch_refuse_family(struct error *error)
     error_set(error, ERROR_COMMAND,
               "this orbit belongs to a family (a multiplier is 1), so at other parameter values "
               "there are many such orbits and no single branch");
-    return error_hint(error, "'orbit period=T' finds the one with a given period; with damping and "
-                             "a drive a single one remains, which a branch can follow");
+    return error_hint(error, "'orbit period=T' finds the orbit with a given period; with damping "
+                             "and a drive a single orbit remains, which a branch can follow");
 }
 
 /* Begins on the branch that leaves r->leave, or corrects r->start at its parameter, or beside it if

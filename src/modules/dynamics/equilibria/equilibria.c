@@ -215,8 +215,8 @@ static bool refuse_without_bounds(const struct equilibria_search *s, struct erro
     if (s->field.system.autonomous)
         return error_set(error, ERROR_COMMAND, "nothing ever moves: every state is an equilibrium");
     error_set(error, ERROR_COMMAND,
-              "the equations depend on time without a single period, so there are no equilibria, "
-              "not even of a mean");
+              "the equations depend on time but are not periodic, so there are no equilibria, "
+              "nor equilibria of the mean over a period");
     return error_hint(error,
                       "to fix the time, use a parameter in place of t, as in: param tau = 0");
 }

@@ -303,11 +303,11 @@ static bool choose_variable(struct scene_curve *c, const struct system *system,
     }
     error_set(error, ERROR_COMMAND, "the quantity of the series is %s, but the scene computes %s",
               quantity_name(quantity), quantity_name(first));
-    return error_hint(
-        error,
-        quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE
-            ? "'fit', 'fit drag' and 'fit law' work with these data; 'adopt' then reports the scale"
-            : "choose another scene, or another column of the file");
+    return error_hint(error, quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE
+                                 ? "'fit', 'fit drag' and 'fit law' work with these data; 'adopt' "
+                                   "then reports the position "
+                                   "per volt or newton"
+                                 : "choose another scene, or another column of the file");
 }
 
 /* Sets up the curve of the scene with its free parameters. Returns false with the error. */
