@@ -270,19 +270,25 @@ static void put_sentence(struct text statement, bool guessed, struct buffer *tex
     }
 }
 
-/* Does the work of explain_unknown() for a statement without leading blanks. Tries in order:
- * rewritten forms of the statement, places where the word at error->where would be valid, meanings
- * of the word, names in the rest of the statement. Replaces the error's hint by what is found
- * first, else leaves the hint or points to `apropos`. */
+/* Does the work of explain_unknown() for a statement without leading blanks. Collects what may
+ * help: the right form of a statement that is nearly right, or advice for `save plot`, for `> FILE`
+ * after a command without a table and for `all` as a method, else the meanings of the word
+ * error->where; then, if the command is unknown, hints about other words of the sentence. This text
+ * replaces the hint. If there is none, a hint where a name exists or one to use `apropos` is added.
+ * error->unknown is the kind of name that was not found: "" if the word may be of any kind, NULL if
+ * the error is not about a name. */
 static void explain_word(const struct session *session, struct text statement, struct error *error)
 {
     const struct text where = error->where;
     const char *kind = error->unknown;
     const bool advised = error->hint_kind == HINT_ADVICE, guessed = error->hint_kind == HINT_GUESS;
     struct buffer text = {0};
+    /* `own` is the statement's command, or NULL. `command` is the same one if it tells which kind
+     * of word is wanted, else NULL. */
     const struct command *own =
         command_at(catalog_choose(session, &command_catalog, peek_word(statement, "")));
     const struct command *command = (kind && !*kind) || advised ? NULL : own;
+    /* `law` means that the name is unknown in an equation; `known`, that a better hint exists. */
     const bool name = is_kind(kind, "name"), law = name && is_law(own, statement);
     const bool known = (is_kind(kind, "unit") && advised) ||
                        (is_kind(kind, "command") && put_rewritten(session, statement, &text)) ||

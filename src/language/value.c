@@ -394,9 +394,9 @@ static bool lacks_unit(const struct item *number)
     return real_parse(text_trim(text_after(last, 2)), &value) == REAL_OK;
 }
 
-/* Returns true if nothing remains of the statement. Else returns false with an error that names the
- * likely reason: decimal comma, unknown unit, a second unit, or a word too many. `number` is the
- * item before it, or NULL if that was no number. */
+/* Returns true if no text remains in the statement. Otherwise returns false with an error that
+ * names the likely reason: decimal comma, unknown unit, a second unit, or a word too many. `number`
+ * is the item before the remaining text, or NULL if that item was no number. */
 bool refuse_rest(const struct parser *parser, const struct item *number, struct error *error)
 {
     struct text rest = parser->rest;

@@ -98,7 +98,9 @@ static const struct result_row *result_of_kind(struct text kind)
     return NULL;
 }
 
-/* Stores the records that a result of the present state replies, so that they become its table. */
+/* Makes a table of a result that no command has stored, because it describes the present session
+ * (such as the current run): collects the records that it replies, without printing them, in
+ * `said`, and stores these under the result's name. */
 static void store_present_records(struct session *session, const struct result_row *row)
 {
     struct table_store said = {0};

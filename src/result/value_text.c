@@ -38,6 +38,7 @@ static struct buffer fixed_buffer(struct value_text *text)
     return (struct buffer){.data = text->data, .cap = sizeof text->data};
 }
 
+/* Writes a number with `digits` significant digits into *text. Returns text->data. */
 const char *value_text_short(struct value_text *text, double value, int digits)
 {
     struct buffer output = fixed_buffer(text);
@@ -45,6 +46,7 @@ const char *value_text_short(struct value_text *text, double value, int digits)
     return text->data;
 }
 
+/* Does the same in the unit in which this quantity is shown, and appends the unit. */
 const char *value_text_quantity(struct value_text *text, double value, enum quantity quantity,
                                 int digits)
 {
@@ -53,6 +55,7 @@ const char *value_text_quantity(struct value_text *text, double value, enum quan
     return text->data;
 }
 
+/* Does the same for a value with its uncertainty. */
 const char *value_text_measured(struct value_text *text, struct measured value,
                                 enum quantity quantity, int digits)
 {

@@ -318,7 +318,8 @@ struct expr_scope names_scope(const struct names *names)
                                scope_offer, scope_moving, scope_quantity};
 }
 
-/* Returns the index of the parameter or derived quantity that a slot means, or -1. */
+/* Returns the index of the parameter or derived quantity that a slot means, or -1. Sets *derived to
+ * true for a derived quantity. */
 int names_of_scene(int slot, bool *derived)
 {
     const int kind = slot >> SLOT_KIND;
@@ -326,8 +327,9 @@ int names_of_scene(int slot, bool *derived)
     return *derived || kind == NAME_PARAM ? slot & ((1 << SLOT_KIND) - 1) : -1;
 }
 
-/* Finds value, uncertainty and quantity of a name, and for a state variable the size below which no
- * digit is certain. Returns false if it is unknown. */
+/* Sets *value to value, uncertainty and quantity of a name. If it is a variable of the current run,
+ * also sets value->error_floor: a value smaller than that has no certain digit. Returns false if
+ * the name is unknown. */
 bool names_value(const struct session *session, struct text name, struct named_value *value)
 {
     const struct names names = {.session = session, .letters = true};
@@ -344,7 +346,8 @@ bool names_value(const struct session *session, struct text name, struct named_v
     return true;
 }
 
-/* Explains why a name has no value yet, or where it belongs. Returns false. */
+/* Replaces the error about the name error->where, if it exists elsewhere or later, by the reason
+ * why it has no value here and by a hint. Always returns false. */
 bool names_explain(const struct session *session, struct error *error)
 {
     static const struct {

@@ -200,8 +200,9 @@ static void collapse_blanks(struct buffer *text)
     text->len = n;
 }
 
-/* Draws the longest form that fits into the width: parameters are dropped one by one before the
- * form becomes shorter. */
+/* Draws the line of the state into row y of the screen, in the longest of `forms` that fits into
+ * its width. A form with parameters and without steps drops the last parameters, down to two,
+ * before the next form is tried. Words such as RUNNING are marked. */
 void state_line_draw(const struct screen *screen, int y)
 {
     struct buffer text = {0};

@@ -56,9 +56,11 @@ static void switches_state_init(struct step *step, struct switches_state *state)
     step->warm = step->warm && !state->begins;
 }
 
-/* Returns true if a rate of the system grows without bound towards the end t of a step over h, at a
- * switch in time: by at least as much over each decade that is nearer (a logarithm, or a negative
- * power of the distance). A step that ended there would take its slope from rounding. */
+/* Returns true if a rate of the system seems to grow without bound towards t, the time of a switch
+ * at the end of a step over h [s] (a pole). Compares the rates at three distances from t, each the
+ * same factor nearer: a logarithm or a negative power of the distance changes at least about as
+ * much from the second to the third as from the first to the second. A step that ended at a pole
+ * would take its slope from rounding. */
 static bool ends_at_pole(struct step *step, double t, double h)
 {
     enum { DISTANCES = 3 };

@@ -170,6 +170,8 @@ double method_stable_limit_signed(const struct method *method, enum drag drag, d
     return low;
 }
 
+/* Returns the largest omega dt at which the method is stable for a spring (positive stiffness) with
+ * the damping ratio zeta. */
 double method_stable_limit(const struct method *method, enum drag drag, double zeta)
 {
     return method_stable_limit_signed(method, drag, zeta, STIFFNESS_POSITIVE);

@@ -70,7 +70,9 @@ static void keep_head(struct collect_view *view, struct text file,
     view->lines_before = view->head_lines;
 }
 
-/* Lets the next reading begin `overlap` bytes before the end of this one, at a line. */
+/* Moves view->offset, where the next reading begins, to the first line that begins at most
+ * `overlap` bytes before the end of `seen`, the file's head with the text that was read from that
+ * offset on. Adds the skipped lines to view->lines_before. */
 static void advance_offset(struct collect_view *view, struct text seen, size_t overlap)
 {
     struct text rest = {seen.data + view->head.len, seen.len - view->head.len}, line;

@@ -247,8 +247,9 @@ static void add_guides(struct diagram *d, bool named)
         add_slope(d, c);
 }
 
-/* Returns the note below the diagram, which explains the marks at the top, the shade and the thin
- * lines, or NULL if out of memory. */
+/* Returns the note below the diagram, or NULL if out of memory: the reasons, at most 8 different
+ * ones, for which points have no error (these points are marks at the top, or capital letters in a
+ * diagram of characters, where `named` is false), the shade, and the thin lines of a picture. */
 static const char *diagram_note(const struct diagram *d, bool named)
 {
     const struct precision *precision = d->precision;
@@ -381,7 +382,9 @@ void precision_plot_legend(const struct session *session, int width, struct buff
     precision_legend(session_precision(session), width, text);
 }
 
-/* Turns letters into names for a picture, which has room for them. */
+/* Changes a figure made by precision_plot(), whose curves are marked by letters, for a picture,
+ * which has room for names: curves get the names of their methods as labels, and the figure the
+ * notes, guides and labels of a diagram with names. Returns false if out of memory. */
 bool precision_name_curves(const struct session *session, struct arena *arena,
                            struct figure *figure, struct error *error)
 {

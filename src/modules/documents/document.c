@@ -161,7 +161,8 @@ void document_say(struct document *document, const char *format, ...)
     buffer_free(&words);
 }
 
-/* Writes a value with its uncertainty and unit; LaTeX gets it for siunitx. */
+/* Writes a value with `digits` significant digits, its uncertainty and its unit, escaped, in
+ * Markdown and HTML, and as a command of siunitx in LaTeX. */
 void document_measured(struct document *document, struct measured value, enum quantity quantity,
                        int digits)
 {
@@ -218,8 +219,9 @@ void document_put(struct document *document, enum block block, const char *words
     document_close(document, block);
 }
 
-/* Ends the heading of a table: Markdown needs a line of dashes, LaTeX the number of columns before
- * the heading. */
+/* Closes the first row of a table as its heading: adds the line of dashes in Markdown and the begin
+ * of the body in HTML. LaTeX needs the number of columns before the heading, so its table is opened
+ * here, at the position that document->table remembers. */
 void document_heading_ends(struct document *document)
 {
     document_close(document, BLOCK_ROW);

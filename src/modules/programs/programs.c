@@ -90,7 +90,9 @@ static void put_row(struct scene_program *p, int row)
     buffer_format(p->output, ", %s)", program_state(p, program_n(p) / 2));
 }
 
-/* Appends the derivatives of all variables in the form of the language. */
+/* Appends the derivatives of all variables in the form of the language: assignments to rate[i] in
+ * C, the list that the function returns in Python, a function that returns a vector in Octave. The
+ * derivatives of positions are the velocities. */
 static void put_rates(struct scene_program *p)
 {
     const int n = program_n(p), positions = n - p->written.rows;

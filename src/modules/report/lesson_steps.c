@@ -194,9 +194,10 @@ static size_t last_undo(const struct session *session)
     return 0;
 }
 
-/* Returns the position in the log after which the measurement must have been made: the last step
- * that wanted the same, the loading of the recording, and, for results that depend on parameters,
- * the last change of one. */
+/* Returns the position in the log [statement] after which measurement m must have been made to
+ * count for the step: the latest of the end of an earlier step that wanted the same quantity, the
+ * loading of the recording, and, for results that depend on parameters, the last change of a
+ * parameter, also by undo, redo or restore. */
 static size_t measured_since(const struct session *session, const struct lesson_step *step,
                              const struct measurement *m)
 {

@@ -155,7 +155,8 @@ static double slope_of_logarithm(const struct points *p, bool over_logarithm)
     return NAN;
 }
 
-/* Returns how far a curve that rises or falls goes back at most. */
+/* Returns the largest movement of a curve against its direction: below the highest value before if
+ * it rises, above the lowest value before if it falls. */
 static double largest_return(const struct points *p, bool rises)
 {
     double furthest = p->y[0], back = 0;

@@ -7,7 +7,7 @@
 
 #include <string.h>
 
-/* a movement below this fraction of the swing before is not a turning point */
+/* A movement below this fraction of the one before is not a turning point. */
 #define TURN_MIN 0.05
 /* Largest deviation of a regular period from the median, as a fraction of it. */
 #define PERIOD_DEVIATION_MAX 0.25

@@ -130,8 +130,10 @@ static bool scale_values(const struct drawing *d, struct series *series)
     return true;
 }
 
-/* Adds the curve of a recording to the figure, with error bars where they are known. Returns false
- * with an error. */
+/* Adds the curve of a recording to the figure, with error bars where they are known. Voltages and
+ * forces that are drawn with runs are scaled to positions, without bars; no curve is added if they
+ * do not follow the run. A kind of plot with its own curves of data (data_curve) fills the curve.
+ * Returns false with an error. */
 bool drawing_recording(struct drawing *d, const struct recording *recording)
 {
     struct series series;

@@ -43,7 +43,8 @@ static double missing_after(const struct run *run, const struct work *work,
     return fabs(done->energy[k] - energy_after(run, work, done, k) - done->work[k]);
 }
 
-/* Returns true if the quintic gives the work of step k well enough to explain `missing`. */
+/* Returns true if the error of the work of step k, the integral of the power along a quintic
+ * polynomial, is a small fraction of `missing`, the energy by which that step is out of balance. */
 static bool quadrature_converges(const struct work *work, const struct work_done *done, int k,
                                  double missing)
 {
@@ -57,8 +58,10 @@ static bool quadrature_converges(const struct work *work, const struct work_done
                           quadrature_error_fraction * missing);
 }
 
-/* Sets the work of step k to that of the solution from its beginning. Where no solution is found,
- * the work is unknown unless the quadrature converges. */
+/* Sets the work of step k to the change of energy along an accurate solution that begins at the
+ * same state, as long as few steps of the balance have been solved (`allowed`). If no solution is
+ * found, the work becomes NAN unless the quadrature converges. If drag did all the work
+ * (`all_drag`), its share is set, too. */
 static void solve_step(const struct run *run, struct balance *balance, const struct work *work,
                        struct work_done *done, int k)
 {
@@ -103,8 +106,9 @@ CLONES static bool is_any_missing(const struct work_done *done, double initial, 
     return any != 0;
 }
 
-/* Solves those steps again in which the energy differs by more than rounding, or the force
- * jumps. */
+/* Computes the work of those steps of a block again, by solve_step(), in which the force jumps, or
+ * the energy differs from that before plus the work by more than rounding and the tolerance; fixed
+ * steps only if the quadrature of the work is inaccurate. */
 void work_check(const struct run *run, struct balance *balance, const struct work *work,
                 struct work_done *done)
 {

@@ -250,7 +250,8 @@ static void list_put(const struct list *list, const char *heading, double whole,
     buffer_free(&words);
 }
 
-/* Adds what the run will compute. */
+/* Adds the prices [instruction] of what the run will compute to the list, each with its words:
+ * steps, rows, set-up and summary, checks, and the energy balance if the scene has one. */
 static void add_computed(const struct run_scenario *s, const struct run_work *work,
                          struct list *list)
 {

@@ -198,8 +198,14 @@ static bool takes_bare(const struct dimension *a)
     return a->has_name || !a->unit || (dimension_is_pure(a) && !has_angle(a));
 }
 
-/* Returns true if two values can be added; numbers without a unit go with names and pure
- * numbers. */
+/* Sets *sum to the dimension of a + b, and *turns to the power of 2 pi by which b is multiplied to
+ * count angles in the unit of a (cycles or radians), 0 for none. Returns true if they can be added:
+ * - a sum with a MIXED value is MIXED, and cannot contain a unit;
+ * - an UNKNOWN value can be added to all but these;
+ * - a BARE number can be added to names, to values without a unit and to pure numbers;
+ * - KNOWN values without a unit can be added, and the sum is MIXED if their dimensions differ;
+ * - KNOWN values with a unit need the same dimension, apart from angles that can be converted.
+ * The sum has the powers of a, or those of b (`takes_b`) if a has none or only b has an angle. */
 bool dimension_sum(const struct dimension *a, const struct dimension *b, struct dimension *sum,
                    int *turns)
 {
@@ -229,7 +235,8 @@ bool dimension_sum(const struct dimension *a, const struct dimension *b, struct 
            find_turns(a, b, turns);
 }
 
-/* Returns true if the value can be one of the quantity `wanted`, perhaps after a factor of 2 pi. */
+/* Returns true if the value can be one of the quantity `wanted`, perhaps after multiplication by 2
+ * pi to the power *turns, which converts cycles and radians. */
 bool dimension_fits(const struct dimension *a, enum quantity wanted, int *turns)
 {
     const struct dimension goal = dimension_of_name(wanted);

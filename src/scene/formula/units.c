@@ -135,8 +135,8 @@ static bool units_of_sum(struct compiler *c, const char *verb, const struct type
     return turns_emit(c, turns);
 }
 
-/* Returns true if the operand is a pure number or an angle; always, if no unit was typed in it.
- * `what` names the function or "an exponent" in the error. */
+/* Returns true if the operand is a pure number or an angle, or if no unit was typed in it.
+ * Otherwise sets an error, in which `what` is the name of the function or "an exponent". */
 static bool check_pure(struct compiler *c, const char *what, const struct typed_operand *a)
 {
     const struct dimension *dimension = &a->dimension;
@@ -150,7 +150,8 @@ static bool check_pure(struct compiler *c, const char *what, const struct typed_
     return false;
 }
 
-/* Sets *made to the dimension of a to the power of the operand after it. */
+/* Sets *made to the dimension of the power of operand a, whose exponent is the operand after it, a
+ * + 1. A unit can only be raised to a number that was typed. Returns false with an error. */
 static bool power_dimension(struct compiler *c, const struct typed_operand *a,
                             struct dimension *made)
 {

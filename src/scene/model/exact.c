@@ -38,9 +38,10 @@ struct exponentials {
     } entry[4];
 };
 
-/* Returns exp(z), from those known if possible. Its magnitude is limited below overflow but still
- * grows with the real part, so that a growing motion ends as infinity and not as a difference of
- * two. */
+/* Returns exp(z). Takes the value from `known` if z or its conjugate was an argument before, and
+ * adds it there otherwise, if there is room. For large real parts the magnitude is limited below
+ * overflow but still grows with the real part, so that a growing motion ends as infinity and not as
+ * the difference of two infinities, which is NAN. */
 static node exponential(struct exponentials *known, node z)
 {
     const real max = LDBL_MAX_EXP / 2;

@@ -172,7 +172,8 @@ static struct affine_form product(const struct affine_form *a, const struct affi
     return made;
 }
 
-/* Returns cos(angle + ahead) if the angle is linear in time. */
+/* Returns the form of cos(angle + ahead), where `ahead` is a constant phase [rad] (0 for cos, -pi/2
+ * for sin), or `unknown` if the angle is not linear in time. */
 static struct affine_form affine_wave(const struct affine_form *angle, double ahead)
 {
     if (!has_only_parts(angle, BIT(CONSTANT) | BIT(BY_T)))

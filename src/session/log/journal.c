@@ -19,7 +19,9 @@ static bool is_parameter_change(const struct request *request, bool by_events)
     return request->kind == REQUEST_SET && (by_events || !request->by_event);
 }
 
-/* Collects the times from the end, then reverses them. */
+/* Fills t with the times [s] of the latest changes of parameters, at most `max`, in order; changes
+ * by commands of events are left out. Returns their number. The list is linked from its last
+ * request backwards, so the times are collected from the end and reversed. */
 int journal_changes(const struct request *last, double *t, int max)
 {
     int count = 0;
@@ -46,7 +48,8 @@ struct request *journal_retain(struct request *last)
     return last;
 }
 
-/* Gives up the list; requests that nobody else owns are freed. */
+/* Releases the reference to the list that ends with request `last`; requests without another owner
+ * are freed. */
 void journal_release(struct request *last)
 {
     for (struct request *previous; last && --last->references == 0; last = previous) {

@@ -178,6 +178,8 @@ static void fail_chapter(const char *const *line, struct tally *tally)
     tally->calls += calls;
 }
 
+/* If any allocation fails, once or from then on, commands fail with an error, and the session
+ * remains usable. Without failures the lines contain 8 intended mistakes. */
 TEST(every_allocation_may_fail)
 {
     if (!MALLOC_CAN_FAIL) {

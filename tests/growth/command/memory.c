@@ -153,7 +153,8 @@ static double typed(const struct session *session)
     return (double)(log->capacity * sizeof *log->entry + log->text.cap);
 }
 
-/* The most that the heap needs while the line is repeated; NAN: it does not end as it should. */
+/* Returns the largest size [byte] of the heap while the line is repeated, without the log of typed
+ * lines, or NAN if a repetition does not end as expected. */
 static double most(struct session *session, struct reply *reply, const struct kind *kind)
 {
     const int times = kind->times ? kind->times : TIMES;
@@ -166,7 +167,8 @@ static double most(struct session *session, struct reply *reply, const struct ki
     return bytes;
 }
 
-/* [byte] more for a repetition. */
+/* Returns the growth of the heap [byte] for each repetition of a command, after it was repeated
+ * until its memory is warm. Returns NAN if a command does not end as expected. */
 static double growth(const struct kind *kind)
 {
     struct session *session;
@@ -197,7 +199,8 @@ static double resident(void)
     return read ? (double)pages * (double)sysconf(_SC_PAGESIZE) : NAN;
 }
 
-/* Any of them; dear ones less often, and now and then a scene that they all know. */
+/* Plays command i of a long random session: any of the kinds, those with few repetitions (slow
+ * ones) seldom, and at times a scene in which all kinds work. */
 static void play_any(struct session *session, struct reply *reply, int i)
 {
     const struct kind *kind = &rows[(int)(random_uniform() * (double)COUNT_OF(rows))];

@@ -427,6 +427,9 @@ TEST(units_in_the_lines_are_converted)
     recording_destroy(r);
 }
 
+/* The number of lost lines is known only if the times or a stated rate tell it. `known` and `lost`
+ * are the expected report for lines that arrive in packets, with wandering or jittering times, or
+ * too few to tell; lines were lost where .lose is set. */
 TEST(lost_lines_are_said_not_to_be_known)
 {
     static const struct load_options none, paced = {.rate = 100};

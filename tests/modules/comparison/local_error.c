@@ -96,7 +96,9 @@ TEST(test_euler_methods_on_scenes_that_are_not_linear)
     assert_int_equal(verlet.leading[1].denominator, 12);
 }
 
-/* A multiple that is not the same at all states is not written as one. */
+/* The leading term of the local error is a fraction (1/denominator) of a derivative of the solution
+ * only if the ratio of the two is the same at all states. It is not for rk4 on the pendulum, nor
+ * for verlet with drag: the denominator is 0, which means that there is no such fraction. */
 TEST(test_no_fraction_where_there_is_none)
 {
     const struct scene pendulum = scene_with("pendulum", NO_SETTINGS),

@@ -188,6 +188,10 @@ TEST(built_in_scenes_start_there)
     }
 }
 
+/* Branches, orbits and equilibria of a session that was stored and restored are listed as in the
+ * first session, and numbers of points continue (HB33 is the next). The file is only appended to:
+ * what is stored is not written a second time, and a session that exceeds LIMIT_BRANCHES has lost
+ * the first branch. */
 TEST(it_comes_back_from_the_file)
 {
     struct bench b, again;
@@ -201,13 +205,15 @@ TEST(it_comes_back_from_the_file)
     const size_t first = file.len;
     keep_branch(&b, 0.75, SPECIAL_FOLD);
     type_ok(&b, "equilibria x=-2:2 v=-1:1");
-    for (int i = 0; i < LIMIT_BRANCHES - 1; i++) /* the first goes */
+    for (int i = 0; i < LIMIT_BRANCHES - 1; i++) /* so many that the first branch is dropped */
         keep_branch(&b, 2 + i, SPECIAL_HOPF);
     bench_store(b.session, &stored, &file);
     const size_t second = file.len;
     type_ok(&b, "d = 0.5");
     bench_store(b.session, &stored, &file);
-    assert_true(file.len - second < first); /* what is written is not written again */
+    assert_true(
+        file.len - second <
+        first); /* appends less than the first part, since nothing is written a second time */
     assert_true(bench_restore(&again, buffer_text(&file), &notes));
     assert_string_equal(said(&notes), "");
     const struct dynamics *d = session_dynamics(again.session);

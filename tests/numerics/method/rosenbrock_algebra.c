@@ -74,6 +74,8 @@ static struct textbook weigh(const struct rosenbrock *row)
     return book;
 }
 
+/* The conditions of order, one for each rooted tree, hold up to the method's order for its weights,
+ * and up to the embedded order for the embedded weights, which adaptive methods alone have. */
 TEST(test_orders)
 {
     int rows = 0;

@@ -257,6 +257,9 @@ TEST(test_tree_orders)
 
 /* ---- shape ---- */
 
+/* The weights of a splitting read the same backwards exactly if the method is marked as symmetric.
+ * Its evaluations are its kicks, less one if the first kick reuses the last force of the step
+ * before. */
 TEST(test_palindromes)
 {
     for (size_t m = 0; m < method_catalog.count; m++) {

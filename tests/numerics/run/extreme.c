@@ -77,8 +77,9 @@ TEST(test_every_method_ends)
     }
 }
 
-/* NUMERICS: forward Euler overflows after 2 ln(max/A) / ln(1 + x^2) steps; here max is the 1e150 of
- * hooke. */
+/* The amplitude A of forward Euler is multiplied by sqrt(1 + x^2) in each step, x = omega dt, so
+ * that it exceeds `max` after 2 ln(max/A) / ln(1 + x^2) steps. A run ends as diverged at max =
+ * 1e150. */
 TEST(test_divergence_is_predicted)
 {
     static const double xs[] = {2, 0.2, 0.05};

@@ -462,6 +462,8 @@ TEST(test_panes_keep_the_band)
     bench_close(&bench);
 }
 
+/* `export FILE v --band` writes the band of a fitted run as two more columns, low and high, at the
+ * distance from v that the plot shows. */
 TEST(test_file_has_the_band)
 {
     struct bench bench;

@@ -223,8 +223,9 @@ TEST(both_are_whole_in_pictures)
     bench_close(&bench);
 }
 
-/* A drift far below what matters is drawn as a line, and as narrow as it is where that is asked
- * for. */
+/* The energy of rk4 drifts by far less than 0.1 % of its value. Without a range (asked = 0) its
+ * curve is a flat line on an axis that contains 0; with a range of its own width (asked = 1) the
+ * curve crosses most of the axis, whose ticks are then relative to an offset. */
 TEST(a_small_drift_is_not_drawn_from_top_to_bottom)
 {
     static const struct figure_range narrow = {.end = {NAN, NAN}, .quantity = QUANTITY_OTHER};

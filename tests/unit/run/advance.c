@@ -276,6 +276,8 @@ static void slow_add(const double *c, double t, const double *y, double *a)
     a[0] -= c[0] * y[0];
 }
 
+/* A call of run_advance() ends near its budget of time even if steps become much slower during a
+ * run: the number of steps between two looks at the clock follows their time. */
 TEST(test_budget)
 {
     struct scene scene = spring();

@@ -75,8 +75,9 @@ TEST(test_formulas)
     run_destroy(run);
 }
 
-/* Symplectic Euler on the undamped oscillator (NUMERICS 1.1): frequency x^2/24 too high, invariant
- * v^2 + w^2 q^2 - h w^2 q v. */
+/* Symplectic Euler with steps h on the undamped oscillator, x = w h: a step turns by the angle
+ * 2 asin(x/2), so that the frequency is too high by x^2/24, and v^2 + w^2 q^2 - h w^2 q v is
+ * constant. */
 TEST(test_errors_of_symplectic_euler)
 {
     struct scene scene = spring();
@@ -121,7 +122,7 @@ TEST(test_phase_counts_turns)
     go_to(run, 4000 * dt);
     struct run_errors errors;
     run_errors(run, &errors);
-    double wanted = 4000 * (2 * atan(x / 2) - x); /* NUMERICS 2.1 */
+    double wanted = 4000 * (2 * atan(x / 2) - x); /* a step turns by the angle 2 atan(x/2) */
     assert_true(wanted < -2 * M_PI);
     assert_close(errors.phase, wanted, 1e-8);
     assert_close(now(run, "phase-error"), remainder(wanted, 2 * M_PI), 1e-8);

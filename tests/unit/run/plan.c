@@ -24,8 +24,8 @@ TEST(test_time_is_never_accumulated)
     }
 }
 
-/* NUMERICS: floor(T/dt) is short for 6.7 % of dt = 1/k, while (t < T) takes an extra step for half
- * of them. */
+/* A run over T = 1 s with dt = 1/k takes k steps. floor(T/dt) would take one too few for 6.7 % of
+ * the k up to 10000, and a loop `while (t < T)` one too many for half of them. */
 TEST(test_whole_number_of_steps)
 {
     struct scene scene = spring();
@@ -138,7 +138,8 @@ TEST(test_refusals)
         run_create(&scene, method_named("verlet"), &(struct run_settings){.dt = 0}, 1, &error));
 }
 
-/* NUMERICS 2: growth and limit in closed form. */
+/* The plan predicts growth and stability in closed form, with x = omega0 dt: forward Euler grows by
+ * sqrt(1 + x^2) a step and is never stable, verlet is stable up to x = 2. */
 TEST(test_predictions)
 {
     struct scene scene = spring();

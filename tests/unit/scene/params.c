@@ -33,7 +33,7 @@ static void expect_near(double got, double wanted, double relative)
 
 TEST(test_tables)
 {
-    /* The names are an interface: scripts rely on them. */
+    /* Name, unit and default of each parameter are an interface: scripts rely on them. */
     static const struct {
         const char *name, *unit;
         double initial;

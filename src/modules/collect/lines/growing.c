@@ -93,8 +93,9 @@ void recording_join_clock(struct recording *more, uint32_t line, double t)
     }
 }
 
-/* Updates what is known of the growing recording from its newest part; its window follows its end
- * unless the user has set another. */
+/* Copies the facts about lines and clock of `more`, the newest part, to the growing recording, and
+ * updates its rate. `end` [s] is the time of its last row before it grew: a window that ended there
+ * follows the new end. */
 static void update_known_times(struct lengthening *growth, struct recording *recording,
                                const struct recording *more, double end)
 {
@@ -103,13 +104,15 @@ static void update_known_times(struct lengthening *growth, struct recording *rec
     growth->known->statement = statement;
     recording_set_step(recording);
     recording->rate = 1 / recording->dt;
-    if (recording->window[1] == end) /* the user has not set another */
+    if (recording->window[1] == end) /* the user has not set another window */
         recording->window[1] = recording->t[recording->rows - 1];
     recording->findings = NULL; /* the findings refer to other rows */
     recording->cleaned = false;
 }
 
-/* Begins the growth of a recording that was read completely. Returns false if out of memory. */
+/* Begins the growth of a recording that was read completely: sets *growth to the line and time of
+ * its last row, and gives the recording its own copy of the facts about its lines. Returns false if
+ * out of memory. */
 bool growth_begin(struct lengthening *growth, struct recording *recording)
 {
     const size_t last = recording->rows - 1;
@@ -127,8 +130,12 @@ bool growth_begin(struct lengthening *growth, struct recording *recording)
     return true;
 }
 
-/* Appends the rows of `more` that are new; samples whose times come from arrivals replace those
- * that both have. */
+/* Appends the rows of `more`, which was read from the last lines of the same file, unless the
+ * recording has them: growth->line is the last line that it has, and `known` is true if `more`
+ * contains it. If times are computed from the arrivals of lines, new lines change the times of
+ * earlier ones, so that all rows of `more` replace those of the same lines. Of the rows that came,
+ * each growth->stride-th is kept. Sets *other to true, and appends nothing, if `more` has other
+ * columns. Returns false if out of memory. */
 bool recording_grow(struct recording *recording, struct lengthening *growth, struct recording *more,
                     bool *other)
 {
@@ -142,7 +149,7 @@ bool recording_grow(struct recording *recording, struct lengthening *growth, str
     recording_join_clock(more, growth->line, growth->t);
     const double end = recording->t[recording->rows - 1];
     size_t first = known ? newest + 1 : 0, row = growth->last_row + 1;
-    if (arrivals && known) { /* the straight line through the arrivals has changed */
+    if (arrivals && known) { /* the straight line fitted to the arrivals has changed */
         first = 0;
         row = growth->last_row - newest;
         while (recording->rows > 1 && recording->line[recording->rows - 1] >= more->line[0])

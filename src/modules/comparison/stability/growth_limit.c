@@ -213,7 +213,7 @@ static int modes_of_matrix(const struct system *system, double t, const double *
     return grows;
 }
 
-/* Appends the modes of the scene at one state. Returns how many of them grow by themselves. */
+/* Appends modes of the linearised scene to mode [*count], up to `max`. Returns how many grow. */
 int modes_at(const struct system *system, double t, const double *y, struct mode *mode, int *count,
              int max)
 {

@@ -156,7 +156,10 @@ static bool portrait_draw(struct portrait_work *work)
     return fine;
 }
 
-/* Binds the scene, with bounds if possible, finds equilibria, and draws all lines. */
+/* Computes *portrait in four stages: binds the scene (also its form with bounds of the rates, with
+ * which the search can prove that it found all equilibria, if there is one); binds its energy if
+ * lines of equal energy are requested; finds the equilibria; computes all lines. Returns false with
+ * an error; *portrait is then empty. */
 bool portrait_make(const struct portrait_request *request, struct portrait *portrait,
                    struct error *error)
 {

@@ -65,14 +65,21 @@ static bool make_programs(struct built_in_programs *programs, const struct syste
     return true;
 }
 
-/* Adds a program to the parts of the force; sums are bits 1 << enum lane_sum. NULL is ignored. */
+/* Adds a program to the list lanes->part of programs whose results are added up to the force; NULL
+ * is ignored. `sums` has the bit 1 << s for each sum s of enum lane_sum to which the program
+ * contributes. */
 static void add_part(struct lanes *lanes, const struct program *program, unsigned sums)
 {
     if (program)
         lanes->part[lanes->parts++] = (struct lane_part){.program = program, .sums = sums};
 }
 
-/* Lists the programs of the system's forces. Returns false if out of memory. */
+/* Lists the programs that compute the system's forces in lanes->part: one program of all forces if
+ * the system has one and the method needs no separate sums (`whole` is NULL for splittings), else
+ * those of the built-in terms, one for each sum, and one for each typed term, which belongs to
+ * SUM_ALL and to SUM_DRAG or SUM_FORCE. lanes->slopes.program computes all derivatives at once, or
+ * is NULL. `ignored` receives numbers of values that are known already. Returns false if out of
+ * memory. */
 bool lanes_describe_forces(struct lanes *lanes, const struct system *system)
 {
     const struct bound_term *const whole = lanes->method->splitting ? NULL : system_whole(system);

@@ -91,7 +91,9 @@ apply(const struct lane_operation *operation, double *restrict result, const dou
 #undef CASE
 }
 
-/* Runs operations up to the end mark; `output` receives the program's outputs. */
+/* Runs the operations from `i` up to the end mark, whose node is NULL. output
+ * [outputs][PROGRAM_LANES] receives results that have no target address. An operation runs for all
+ * lanes at once, or once if its arguments are the same in all lanes. */
 CLONES static void lane_operations_run(struct lane_operation *i, double *output)
 {
     for (; i->node; i++) {

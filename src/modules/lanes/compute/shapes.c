@@ -80,8 +80,11 @@ INLINE four drive_angle(const struct lane_drive *drive, int lane, four t)
     return four_load(drive->c1 + lane) * t + four_load(drive->c2 + lane);
 }
 
-/* Computes the drive's cosine at one stage and stores it at index `place`: one number if it is the
- * same in all lanes, else a row, which the previous index shares if the time is the same. */
+/* Computes the drive's cosine at one stage of the coming steps; `place` is the index of the stage.
+ * If all lanes have the same drive, stores one number in value[place]. If they have their own,
+ * computes a row of numbers, to which value_rows[place] points. A stage at the same time as the one
+ * before
+ * (`again`) shares its row. */
 CLONES static void store_drive_cosine(struct lane_drive *drive, int64_t place,
                                       struct lane_time stage_time)
 {
@@ -338,8 +341,9 @@ INLINE void parts_store(int count, const four *source, double *target)
         fours(target + j / SPLIT_PARTS * LANE_COUNT + j % SPLIT_PARTS * WIDE) = source[j];
 }
 
-/* Applies the exact flow of the drag over half a step to the velocities, as drag_flow_apply(),
- * which has no pole forward in time. half is its array from the first lane on. */
+/* Applies the exact flow of the drag over half a step to the velocities, with the bits of
+ * drag_flow_apply(), which has no pole forward in time: v keep / (min + pull |v|). `half` points to
+ * the first of these lanes in the array keep, min, pull [3][LANE_COUNT]. */
 INLINE void fours_drag_flow(const double *half, four v[SPLIT_PARTS])
 {
     UNROLL for (int p = 0; p < SPLIT_PARTS; p++, half += WIDE) v[p] =
@@ -347,8 +351,11 @@ INLINE void fours_drag_flow(const double *half, four v[SPLIT_PARTS])
         (four_load(half + LANE_COUNT) + four_load(half + 2 * LANE_COUNT) * four_magnitude(v[p]));
 }
 
-/* Kicks the velocities z[1] by `pull` over w, as split_kick(); `lost` is the array of this kick's
- * exact drag from the first lane on. */
+/* Changes the velocities z[1] by the accelerations `pull` without drag over the times w [s], with
+ * the bits of split_kick(). Drag acts as `variant` tells: exactly within the kick, by the array
+ * `lost` [2][LANE_COUNT] of lost fraction and weight of the pull (unless it acts at the ends of the
+ * step), explicitly by the force at positions z[0] and coefficients `c`, or not at all. The arrays
+ * point to the first of these lanes. */
 INLINE void fours_kick(enum drag variant, bool drag_at_ends, lane_force *force, const double *c,
                        const double *lost, const four w[SPLIT_PARTS], const four pull[SPLIT_PARTS],
                        four z[2][SPLIT_PARTS])
@@ -366,7 +373,9 @@ INLINE void fours_kick(enum drag variant, bool drag_at_ends, lane_force *force, 
 }
 
 /* Makes `count` steps of a splitting with a compiled force, SPLIT_PARTS vectors of lanes at a time.
- */
+ * `drive` tells whether there is a drive and whether all lanes share it, `flags` which terms the
+ * force has (TERM_VELOCITY means drag). row [count][2][LANE_COUNT] receives the states after the
+ * steps unless it is NULL. */
 INLINE void march_splitting(lane_force *force, enum drive_known drive, unsigned flags,
                             struct lanes *lanes, int64_t count, double *row)
 {

@@ -73,7 +73,8 @@ static int next_branch(const double a[2])
     return a[0] < 0 ? -1 : 0;
 }
 
-/* Passes a turning point: applies the saltation to the derivatives and chooses the next branch. */
+/* Passes a turning point: multiplies the derivatives of the velocity by the ratio of the
+ * accelerations after and before it (their saltation), and chooses the next branch. */
 static void dry_walk_turn(struct dry_walk *w)
 {
     struct step *step = w->step;
@@ -91,7 +92,8 @@ static void dry_walk_turn(struct dry_walk *w)
 
 /* ---- at rest ---- */
 
-/* Returns the time at which the resting body is pulled off, or `end` if it is not before. */
+/* Returns the first time [s] at which the forces on the resting body exceed the friction, or `end`.
+ */
 static double release_time(const struct dry_walk *w, double end)
 {
     const double t_begin = w->step->t;
@@ -127,7 +129,9 @@ static void put_resting(struct dry_walk *w, double t_end)
     }
 }
 
-/* Stays at rest until the body is pulled off or the step ends. */
+/* Lets the resting body rest until the forces exceed the friction, or until time `end` [s]: stores
+ * the samples of that time, moves the walk to its end, and chooses the branch (direction of motion
+ * or rest) on which it continues. */
 static void dry_walk_rest(struct dry_walk *w, double end)
 {
     double a[2];

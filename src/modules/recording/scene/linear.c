@@ -183,7 +183,8 @@ propagator_advance(int n, int directions, const struct linear_propagator *p, dou
     }
 }
 
-/* Finds or prepares the step of the wanted length, and applies it. */
+/* Advances `state` from t_begin to t [s] by the propagator of a step of that length, which is taken
+ * from m->step or prepared there. Returns the time reached, or t_begin if t is not later. */
 double linear_motion_advance(struct linear_motion *m, double t_begin, double t, double *state)
 {
     const double wanted = t - t_begin;

@@ -257,12 +257,15 @@ void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
     curve_fit_judge(p, fit);
 }
 
-/* Fits a damped sine to the series, unless it is too long, and copies the mask of its samples. */
+/* Sets use [n] to 0 for the samples that the fit of a damped sine leaves out as outliers. Returns
+ * false if no damped sine describes the series, if it is too long for such a fit or its samples are
+ * uneven, or if out of memory. */
 bool series_outliers(const struct series *series, struct arena *arena, unsigned char *use)
 {
     enum { ROWS_MAX = 16384 }; /* more are not fitted only in order to judge them */
     struct motion m;
-    if (series->n > ROWS_MAX || series_is_uneven(series)) /* its samples are not these rows */
+    if (series->n > ROWS_MAX ||
+        series_is_uneven(series)) /* fits use other samples than these rows */
         return false;
     if (!motion_init(&m, series, arena, NULL) || !m.overview.oscillates || !m.harmonic.converged ||
         fit_discards_much(m.rejected, m.samples.n))
@@ -271,7 +274,8 @@ bool series_outliers(const struct series *series, struct arena *arena, unsigned 
     return true;
 }
 
-/* Returns false without a search if the series has more than ROWS_MAX samples. */
+/* Returns true if two damped sines describe the series and one alone does not, so that it beats.
+ * Returns false without a search if the series has more than ROWS_MAX samples. */
 bool series_beats(const struct series *series, struct arena *arena)
 {
     enum { ROWS_MAX = 100000 };

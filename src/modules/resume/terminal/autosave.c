@@ -110,7 +110,8 @@ static bool choose_name(struct autosave *autosave, long number, struct error *er
     return autosave->path || error_set(error, ERROR_IO, "HOME is not set");
 }
 
-/* Opens a new file under a hidden name (*hidden), which it has until it is complete, and writes the
+/* Chooses autosave->path, and creates and locks a file under another, hidden name in the same
+ * folder, which is appended to `hidden`; the file gets its own name when it is complete. Writes the
  * header. Returns false with an error. */
 static bool open_new(struct autosave *autosave, struct buffer *hidden, struct error *error)
 {

@@ -7,6 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Returns true if the solve chooses its steps by their errors. */
 static bool is_adaptive(const struct method *method, const struct run_settings *settings)
 {
     return settings->tol > 0 && method->flags & METHOD_ADAPTIVE;

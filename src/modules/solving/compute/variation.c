@@ -45,9 +45,9 @@ static void find_changes(const struct system side[2], struct parameter_change *d
     }
 }
 
-/* Binds the scene on both sides of a parameter's value and finds what changes: terms, t0 and
- * initial values. The difference is one-sided at a bound. Returns false if the scene cannot be
- * bound. */
+/* Binds the scene with the parameter a little above its value, as side[0], and a little below, as
+ * side[1], and sets *d to the changes between them. At a bound of the parameter the value itself
+ * replaces the side that is not allowed. Returns false if the scene cannot be bound. */
 static bool find_between(const struct scene *scene, int index, struct system side[2],
                          struct parameter_change *d)
 {
@@ -80,7 +80,7 @@ static bool find_between(const struct scene *scene, int index, struct system sid
     return true;
 }
 
-/* Finds what a parameter changes. */
+/* Finds what a parameter changes in the scene. */
 bool direction_find(const struct scene *scene, int index, struct parameter_change *d)
 {
     struct system *side = malloc(2 * sizeof *side);

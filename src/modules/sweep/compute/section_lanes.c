@@ -193,8 +193,10 @@ static void strobe_lanes(struct sweep_worker *worker, int64_t step)
     }
 }
 
-/* Steps all lanes from one end of a drive period to the next, until all are finished or have to run
- * alone, or until cancelled. Marches are limited to 16 batches, so that Ctrl-C is seen. */
+/* Steps all lanes to the next step in which a period of the drive ends in some lane (p->step), has
+ * strobe_lanes() record the states there, and so on, until each lane is done: it has seen all its
+ * events, or its point has to run alone. Returns earlier if cancelled, which is checked before each
+ * 16 * SWEEP_ROWS steps, as these take far less than the 0.1 s within which Ctrl-C has to act. */
 static void march_strobe(struct sweep_worker *worker)
 {
     const struct sweep_job *job = worker->job;

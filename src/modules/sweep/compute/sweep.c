@@ -442,7 +442,9 @@ void study_sweep_predict(const struct sweep_request *request, double *steps, dou
  * belong together. */
 #define BATCH_MOST ((int64_t)1 << 18)
 
-/* Returns the number of points that fill the lanes of all threads when computed at once. */
+/* Returns the number of points that keep all threads busy when computed at once: one for each
+ * thread, or LANE_COUNT for each if points are computed in lanes. If lanes lie along the first of
+ * two axes, it is that of LANE_COUNT whole rows, unless these exceed BATCH_MOST. */
 int64_t study_sweep_batch(const struct sweep_request *request)
 {
     struct sweep sweep;

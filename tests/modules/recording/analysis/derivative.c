@@ -142,7 +142,10 @@ TEST(a_long_way_to_the_autocorrelation_is_no_square)
 
 TEST(lines_have_the_uncertainties_of_the_book)
 {
-    /* y = 1 + 2 x with one sigma up, down: chi^2 = 4 for 2. By hand: slope 2, sxx = 5. */
+    /* The points are y = 1 + 2 x, moved up or down by one sigma of 0.1, so that chi^2 = 4 with 4 -
+     * 2 degrees of freedom. Computed by hand: the slope is 2 and sum((x - mean)^2) = 5, which gives
+     * sigma/sqrt(5) for the slope and sigma sqrt(1/4 + 1.5^2/5) for the intercept, both times
+     * sqrt(chi^2/2) = sqrt(2). */
     const double x[] = {0, 1, 2, 3};
     const struct measured y[] = {{1.1, 0.1}, {2.9, 0.1}, {4.9, 0.1}, {7.1, 0.1}};
     struct line_fit line;

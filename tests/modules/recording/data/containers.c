@@ -122,6 +122,8 @@ TEST(hostile_documents_are_refused)
 
 /* ---- workbooks ---- */
 
+/* Workbooks with plain numbers, with a formula, with a heading in two runs of text, and with times
+ * of day give a table; a build without libarchive or expat refuses them with an error. */
 TEST(sheets_of_workbooks_are_read)
 {
     static const char plain[] =

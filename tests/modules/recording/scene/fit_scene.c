@@ -53,6 +53,8 @@ static const struct case_of cases[] = {
      "k gamma F0 phase y0 v0"},
 };
 
+/* Fits of simulated recordings with noise, from a start beside the truth, converge to the true
+ * values of all parameters in `found` and to the noise that was added. */
 TEST(known_truths_are_found)
 {
     for (size_t i = 0; i < COUNT_OF(cases); i++) {
