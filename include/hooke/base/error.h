@@ -19,8 +19,9 @@ enum error_code {
     ERROR_CANCELLED = 130 /* Stopped by Ctrl-C. */
 };
 
-/* Kinds of hints in ascending usefulness: nothing, a list of valid names, a similar name, the usage
- * of the command, advice for this case. A caller that knows more replaces any hint but advice. */
+/* Kinds of hints, from the least useful to the most useful: no hint, a list of valid names, a
+ * similar name, the usage of the command, advice for this very case. A caller that knows a more
+ * useful hint replaces any hint but advice. */
 enum hint_kind { HINT_NONE, HINT_LIST, HINT_GUESS, HINT_USAGE, HINT_ADVICE };
 
 /* A failure; owns all of its texts but `where`. */
@@ -29,8 +30,8 @@ struct error {
     char text[600];    /* One sentence in lower case without a final full stop. */
     char hint[300];    /* Advice on what to do, or "". */
     struct text where; /* Slice of the caller's input that is wrong; `data` is NULL if unknown. */
-    /* Kind of the name that was looked up and not found, such as "method", or "" for any kind. NULL
-     * for all other errors. */
+    /* Kind of the name that was looked up and not found, such as "method", or "" if names of any
+     * kind could have been meant. NULL for all other errors. */
     const char *unknown;
     /* Kind of the hint: HINT_GUESS if any part of it is a guess, else the kind of its first part.
      */
@@ -41,7 +42,8 @@ struct error {
  * that a caller can write `return error_set(…)`. */
 bool error_set(struct error *error, enum error_code code, const char *format, ...)
     PRINTF_LIKE(3, 4);
-/* Does the same with ERROR_COMMAND, and sets `where` to the wrong part of the input. */
+/* Does the same as error_set() with the code ERROR_COMMAND, and sets `where` to the wrong part of
+ * the input. */
 bool error_at(struct error *error, struct text where, const char *format, ...) PRINTF_LIKE(3, 4);
 /* Appends a hint to an error that is set. */
 bool error_hint(struct error *error, const char *format, ...) PRINTF_LIKE(2, 3);

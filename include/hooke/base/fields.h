@@ -96,8 +96,9 @@ bool field_get(struct text text, const char *name, void *target, size_t bytes);
  * Returns false if one is missing, has another length or has a value that is not allowed; members
  * before that one have then been changed. */
 bool fields_get(struct text text, const struct field *field, size_t count, void *object);
-/* Does the same for those members whose fields are in `text` with the right length; the others keep
- * their values. Returns false if one has a value that is not allowed. */
+/* Reads those of the `count` described members whose fields are in `text` with the right length
+ * into `object`; the others keep their values. Returns false if one has a value that is not
+ * allowed. */
 bool fields_get_known(struct text text, const struct field *field, size_t count, void *object);
 /* Returns true if the values of all described members of `object` are allowed. */
 bool fields_sound(const struct field *field, size_t count, const void *object);

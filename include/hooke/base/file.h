@@ -42,7 +42,8 @@ struct read_watch {
 /* Path by which file_read() reads standard input. */
 #define STANDARD_INPUT "/dev/stdin"
 
-/* Does the same as file_read() and calls watch->look(); `watch` may be NULL. */
+/* Reads a file as file_read() does, and calls watch->look() after each piece; `watch` may be NULL.
+ */
 bool file_read_watched(const char *path, size_t limit, struct read_watch *watch,
                        struct buffer *content, struct error *error);
 
@@ -67,7 +68,7 @@ struct writer {
     char *base; /* Last component of the path; points into `path`. */
     /* Name of the temporary file in the folder, or "" if it has no name yet. */
     char temporary[STRAY_NAME_SIZE];
-    /* An existing file may be replaced; a write has failed. */
+    /* An existing file may be replaced (`force`); a write has failed (`failed`). */
     bool force, failed;
     char *chunk; /* Buffer of bytes not yet written, of which `used` are filled; owned. */
     size_t used;
@@ -76,7 +77,9 @@ struct writer {
 
 /* Rules for writing. All false is the default. */
 struct write_policy {
-    bool force;   /* An existing regular file, or folder of one's own files, may be replaced. */
+    /* An existing regular file may be replaced, or a folder of which folder_owns() accepts all
+     * files. */
+    bool force;
     bool confine; /* Only names below the current directory are allowed (option --safe). */
     bool refuse;  /* Nothing may be written: opening always fails. */
     bool secret;  /* A new folder gets access rights for the user alone. */
@@ -101,15 +104,16 @@ bool file_write(const char *path, struct text content, struct write_policy polic
 /* Writes all of *text to a descriptor, continuing after signals and partial writes. Returns 0, or
  * an errno with the unwritten remainder in *text. */
 int file_put(int fd, struct text *text);
-/* Locks a file for this process until it is closed. With `wait`, another process's lock is waited
- * for, at most 0.2 s and until a signal. Returns false if the file is not locked. */
+/* Locks a file for this process until it is closed. If another process has locked it, waits for at
+ * most 0.2 s, or until a signal, if `wait` is true. Returns false if the file could not be locked.
+ */
 bool file_lock(int fd, bool wait);
 /* Releases the lock of file_lock(). */
 void file_unlock(int fd);
 
 /* Opens or creates a file to which whole lines are appended; links, pipes and devices are refused.
- * `mode` holds the access rights of a new file. Returns its descriptor, which the caller closes, or
- * -1 with `error` set. */
+ * A new file gets the access rights `mode`, such as 0600. Returns its descriptor, which the caller
+ * closes, or -1 with `error` set. */
 int append_open(const char *path, struct write_policy policy, unsigned mode, struct error *error);
 /* Appends lines, after a newline if the file ends in an incomplete line; with `sync`, waits until
  * they are on the disk. Returns false with `error` set, whose message does not name the file; what
@@ -128,7 +132,7 @@ typedef bool folder_owns(const char *name);
 /* A folder that is being filled. folder_commit() and folder_abandon() free all that it owns. */
 struct folder {
     struct writer writer; /* Path of the folder and its hidden name. */
-    int fd;               /* descriptor of the hidden folder, -1 if closed */
+    int fd;               /* Descriptor of the hidden folder, -1 if closed. */
     /* Decides which files of an existing folder may be replaced. */
     folder_owns *own;
 };

@@ -61,9 +61,9 @@ struct text text_last_component(struct text path);
 /* Returns the extension of a file's name without its dot, or the empty text if the name has no dot
  * other than its first character. */
 struct text text_ending(struct text path);
-/* Moves the text before the next separator, or all that remains, from *rest to *head and drops the
- * separator. Returns false when everything, including a last empty piece, has been returned:
- * rest->data is then NULL. */
+/* Moves the text before the next separator, or all that remains, from the beginning of *rest
+ * to *head, and drops the separator. Returns false when everything, including a last empty
+ * piece, has been returned: rest->data is then NULL. */
 bool text_split(struct text *rest, char separator, struct text *head);
 
 /*
@@ -92,7 +92,8 @@ char *arena_text(struct arena *arena, struct text text);
 void arena_reset(struct arena *arena); /* Frees all memory of the arena, which can be used again. */
 /* Moves all memory of `source` to `target`, which frees it later; pointers stay valid. */
 void arena_move(struct arena *source, struct arena *target);
-/* Does the same as arena_reset(), and stops early when cancelled: freeing gigabytes takes 0.1 s. */
+/* Frees all memory of the arena as arena_reset() does, but may stop early when cancelled, because
+ * freeing gigabytes takes 0.1 s; `cancel` may be NULL. */
 void arena_give_back(struct arena *arena, const struct cancel *cancel);
 
 /* Text that grows; zero-initialise it, and end with buffer_free(). After a failed allocation

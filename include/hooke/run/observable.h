@@ -142,8 +142,9 @@ struct ledger {
 };
 /* Computes the balance of a run. */
 void run_ledger(const struct run *run, struct ledger *ledger);
-/* Does the same in bounded time. Short runs get the full balance; for longer ones work and error
- * are NAN, and error_max is the largest in a sample of rows if no work is done, else NAN. */
+/* Computes the balance of a run in bounded time. Short runs get the full balance; for longer ones
+ * work and error are NAN, and error_max is the largest in a sample of rows if no work is done, else
+ * NAN. */
 void run_ledger_brief(const struct run *run, struct ledger *ledger);
 /* Returns true if the method, not the scene, has made the energy grow more than a hundredfold. */
 bool run_is_unstable(const struct run *run);

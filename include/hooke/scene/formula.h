@@ -63,7 +63,7 @@ extern const struct catalog function_catalog;
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error);
 /* Returns the dimension of an expression. A unit in it belongs to the number or parenthesis before
- * it: y0 + 1 cm, 0.5*m + 50 g, (3 + 1) s. The value of the expression is in SI units all the same.
+ * it: y0 + 1 cm, 0.5*m + 50 g, (3 + 1) s. The value of the expression is in SI units nevertheless.
  */
 const struct dimension *expr_dimension(const struct expr *expr);
 /* Adds to `error` a hint about how the expression was read and how the user may have meant it:
@@ -75,8 +75,8 @@ bool expr_hint_readings(const struct expr *expr, struct error *error);
  * `error` set, if the dimensions differ or if out of memory. */
 bool expr_compare(const struct expr *left, const struct expr **right, struct arena *arena,
                   struct error *error);
-/* Returns the value in this scope, which must know the same names as the one of compilation.
- * Infinities and NaN are propagated. */
+/* Returns the value of the expression in `scope`, which must know the same names as the scope in
+ * which it was compiled. Infinities and NaN are propagated. */
 double expr_value(const struct expr *expr, const struct expr_scope *scope);
 /* Returns true if the expression, in the form in which it is written, is a0 + a1 x1 + a2 x2 + … in
  * the names x with these `count` slots, where the coefficients a contain only other names. */
@@ -100,11 +100,11 @@ struct jet {
  * rounding included (natural interval extension in forward mode; Moore 1966, Interval Analysis). At
  * a jump of the expression its slope is unbounded, at a corner its second derivative. */
 struct jet expr_jet(const struct expr *expr, const struct jet *jet);
-/* Does the same with tighter bounds for an interval of the argument that extends by `half` on each
- * side of its centre; centre [slot] holds the bounds of the names at the centre alone. In every
- * subexpression the value at the centre and the bounds of the slope give second bounds, of which
- * the narrower are used (mean value form, Moore 1966): t*t - 2*a*t + a*a becomes as narrow as (t -
- * a)^2. */
+/* Returns tighter bounds than expr_jet() for an interval of the argument that extends by `half` on
+ * each side of its centre; centre [slot] holds the bounds of the names at the centre alone. In
+ * every subexpression the value at the centre and the bounds of the slope give second bounds, of
+ * which the narrower are used (mean value form, Moore 1966): t*t - 2*a*t + a*a becomes as narrow as
+ * (t - a)^2. */
 struct jet expr_jet_about(const struct expr *expr, const struct jet *jet, const struct jet *centre,
                           double half);
 /* A search for all zeros of a function f(x) on an interval. Set the members up to `sign`, then call

@@ -126,8 +126,8 @@ bool is_pendulum(const struct scene *scene);
 /* Makes *scene the scene of a preset, or the preset "spring" if `preset` is NULL. */
 void scene_init(struct scene *scene, const struct preset *preset);
 /* Sets parameter `param` to a value [SI] with its uncertainty. Returns false, with `error` set and
- * the scene unchanged, if it is outside its range (m > 0, …), not finite, or does not go with the
- * others (k/m overflows). */
+ * the scene unchanged, if the value is outside its range (m > 0, …), not finite, or not possible
+ * with the other parameters (k/m overflows). */
 bool scene_set(struct scene *scene, int param, struct measured value, struct error *error);
 /* Sets the absolute tolerance [SI] of a variable; 0 means none. */
 void scene_set_atol(struct scene *scene, int variable, double atol);
@@ -155,8 +155,9 @@ extern const struct catalog derived_catalog; /* Derived quantities of the oscill
 bool scene_set_derived(struct scene *scene, const struct derived_row *row, struct measured value,
                        struct error *error);
 
-/* Returns the Reynolds number rho v length / eta for a speed [m/s], or NAN unless the scene is an
- * oscillator; and the name of its regime: "laminar", "transitional" or "turbulent". */
+/* scene_reynolds() returns the Reynolds number rho v length / eta for a speed v [m/s], or NAN
+ * unless the scene is an oscillator. reynolds_regime() returns the name of the regime of a Reynolds
+ * number: "laminar", "transitional" or "turbulent". */
 double scene_reynolds(const struct scene *scene, double speed);
 const char *reynolds_regime(double reynolds);
 
@@ -189,7 +190,8 @@ struct model {
     /* Checks rules that concern several parameters [SI]; returns false with `error` set. NULL if
      * there are none. */
     bool (*coherent)(const double *param, struct error *error);
-    /* Sets t0, start, mass and scale (natural sizes, > 0) of a system whose terms are bound. */
+    /* Sets t0, start, mass and scale (natural sizes, > 0) of a system whose terms are bound; param
+     * [PARAM_MAX] are the values of the parameters [SI]. */
     void (*begin)(const double *param, struct system *system);
     /* Computes the exact solution as system_exact() does. NULL if there is none, or if it is that
      * of the linear oscillator. */
@@ -198,6 +200,7 @@ struct model {
     const struct typed *typed; /* The user's lines of a typed model, or NULL for a built-in one. */
 };
 
+/* The oscillator, the model of most presets. */
 extern const struct model oscillator_model;
 /* All built-in models, the oscillator first; NULL ends the list. */
 extern const struct model *const scene_models[];
@@ -221,7 +224,8 @@ enum term_flag {
     TERM_TIME = 4,         /* Depends on time. */
     TERM_CONSERVATIVE = 8, /* Has a potential; otherwise it has a power. */
     TERM_KINK = 16,        /* Not smooth where the velocity is 0, in a scene of one coordinate. */
-    /* Dry friction, always the last term, in a scene of one coordinate; c[0] [m/s^2], c[1] [N]. */
+    /* Dry friction, always the last term, in a scene of one coordinate. Its coefficients are c[0] =
+     * F/m [m/s^2] and c[1] = F [N]. */
     TERM_DRY = 32,
 };
 
@@ -258,20 +262,21 @@ struct term_row {
     /* Expressions that the term adds to each acceleration or derivative, as a user would type them:
      * velocities are x', parameters are called by their names. NULL adds nothing. */
     const char *equation[LIMIT_MODEL_ROWS];
-    /* The same expressions in the order of operations of add(), for programs that must give its
-     * bits; NULL if `equation` does. */
+    /* The expressions of `equation` in the order of operations of add(), for programs that must
+     * give the same bits; NULL if `equation` has this order. */
     const char *ordered[LIMIT_MODEL_ROWS];
-    /* An enum force of src/scene/model/forces.h, by which kernels compile the force again. */
+    /* Value of enum force (src/scene/model/forces.h), by which kernels recognise a force that is
+     * compiled into them. */
     int force;
     /* Computes the coefficients c [TERM_COEFFICIENTS] from the parameters [SI], and adds the term
      * to *oscillator. Returns false if the term is absent because its coefficient is 0. NULL for
      * typed terms. */
     bool (*bind)(const double *param, double *c, struct oscillator *oscillator);
-    /* Adds the term to the accelerations a [n/2] or, in a first-order scene, to the derivatives a
-     * [n]. */
+    /* Adds the term with the coefficients c of bind() at (t [s], y [n]) to the accelerations a
+     * [n/2] or, in a first-order scene, to the derivatives a [n]. */
     void (*add)(const double *c, double t, const double *y, double *a);
-    /* Adds its derivatives da/dy, row-major with n columns, to jac. NULL if the term does not
-     * depend on the state. */
+    /* Adds the derivatives da/dy of the term, row-major with n columns, to jac. NULL if the term
+     * does not depend on the state. */
     void (*jacobian)(const double *c, double t, const double *y, double *jac);
     /* Returns the potential energy [J]; NULL unless TERM_CONSERVATIVE. */
     double (*potential)(const double *c, const double *y);
@@ -313,7 +318,7 @@ struct system {
     struct bound_term typed;
     bool linear;     /* Every term is linear: y' = A y + b(t). */
     bool autonomous; /* No term depends on time. */
-    /* Some force depends on a velocity; dry friction counts only if its switch is not located. */
+    /* Some force depends on a velocity. Dry friction counts only if `dry` is false. */
     bool velocity;
     bool conservative; /* Every term has a potential: the energy is constant. */
     /* Kinetic and potential energy are known. False if typed forces have no potential: then only
@@ -325,9 +330,9 @@ struct system {
     /* Set in frozen systems whose frozen branch may have values at states where the equations have
      * none: steps then also evaluate the system that is not frozen. */
     bool extended;
-    bool dry; /* The last switch is that of dry friction, at v = 0. */
-    /* Steps of fixed size end at switches, too. False if steps go across them, or if the system is
-     * frozen. */
+    bool dry; /* The last switch is that of dry friction, at v = 0; false if steps go across it. */
+    /* Steps of fixed size end at switches, as adaptive ones do. False if they go across switches,
+     * or if the system is frozen. */
     bool pieces;
     /* The sliding motion along switches of a frozen system, or NULL; owned by the maker of the
      * system. */
@@ -349,33 +354,34 @@ struct system {
 };
 
 /* Makes the system of a scene. Returns false, with `error` set, if equations are incomplete,
- * parameters do not go together, or forces at the start are not finite. */
+ * parameters contradict each other, or forces at the start are not finite. */
 bool scene_bind(const struct scene *scene, struct system *system, struct error *error);
-/* Does the same without finding the potential of typed forces, which takes about a thousand
- * evaluations: for callers that bind many scenes and need no energy. */
+/* Makes the system as scene_bind() does, but without finding the potential of typed forces, which
+ * takes about a thousand evaluations: for callers that bind many scenes and need no energy. */
 bool scene_bind_motion(const struct scene *scene, struct system *system, struct error *error);
-/* Does the same for callers that only evaluate derivatives: variables of typed scenes have scales
- * of 1 instead of those of a trial run, and the start is not checked. Returns false on an error. */
+/* Makes the system as scene_bind() does, for callers that only evaluate derivatives: variables of
+ * typed scenes have scales of 1 instead of those of a trial run, and the start is not checked.
+ * Returns false if equations are incomplete or parameters contradict each other. */
 bool scene_bind_rates(const struct scene *scene, struct system *system);
 
 /* Copies a system without the unused part of its array of terms, to save time: a struct system has
  * ten kilobytes, most of them unused. */
 void system_copy(struct system *target, const struct system *source);
 
-/* Sets system->steps_across_kinks to false: methods end steps at kinks, whatever the scene had
- * chosen. */
+/* Makes methods end steps at kinks and at all switches, that of dry friction included, even if the
+ * scene has asked for steps across them. */
 void system_turn_at_kinks(struct system *system);
 
 /* Computes the accelerations a [n/2] of a second-order system at (t [s], y [n]). */
 void system_acceleration(const struct system *system, double t, const double *y, double *a);
 /* Computes the derivatives dydt [n] at (t [s], y [n]). */
 void system_derivative(const struct system *system, double t, const double *y, double *dydt);
-/* Returns true if the derivatives are the same after this variable has grown by 2 pi, but depend on
- * it, as tested at eight random states. */
+/* Returns true if the derivatives depend on this variable and have its period 2 pi, as tested at
+ * eight random states. */
 bool variable_is_angle(const struct system *system, int variable);
-/* Computes the accelerations of the terms that do not depend on velocity. */
+/* Computes the accelerations a [n/2] of the terms that do not depend on velocity. */
 void system_force(const struct system *system, double t, const double *y, double *a);
-/* Computes the accelerations of the terms that depend on velocity. */
+/* Computes the accelerations a [n/2] of the terms that depend on velocity. */
 void system_drag(const struct system *system, double t, const double *y, double *a);
 /* Coefficients of the exact flow of v' = -gamma v - c |v| v over a step h (Hairer, Lubich, Wanner
  * 2006, II.5), computed once for many v: v becomes v keep/(min + pull |v|). The flow keeps the sign
@@ -388,7 +394,7 @@ struct drag_flow {
 /* Returns the coefficients for a step h [s] of any sign. */
 struct drag_flow oscillator_drag_flow(const struct oscillator *oscillator, double h);
 
-/* Returns the velocity after the step that the coefficients belong to. */
+/* Returns the velocity after the step for which `flow` was made, for a velocity v before it. */
 static inline double drag_flow_apply(const struct drag_flow *flow, double v)
 {
     double denominator = flow->pull == 0 ? flow->min : flow->min + flow->pull * fabs(v);
@@ -398,8 +404,8 @@ static inline double drag_flow_apply(const struct drag_flow *flow, double v)
 }
 /* Computes the Jacobian d y'/d y [n][n], row-major, at (t [s], y [n]). */
 void system_jacobian(const struct system *system, double t, const double *y, double *jac);
-/* Returns the Jacobian in new memory, which the caller frees, or NULL if out of memory. For 64
- * variables it would fill half a stack. */
+/* Computes the Jacobian in new memory, which the caller frees: for 64 variables it has 32 kB, too
+ * much for the stack of a thread. Returns NULL if out of memory. */
 double *system_new_jacobian(const struct system *system, double t, const double *y);
 
 /* An interval in time that adaptive steps must not step over. */
@@ -457,14 +463,15 @@ bool system_has_exact(const struct system *system);
  * and errors below it mean nothing. */
 void system_exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor);
-struct exact_table; /* private to src/scene/model/exact.c */
-/* Computes exact solutions at many times h [s] apart at a fraction of the cost: the solution is
- * evaluated from time to time, and continued between by the one-step map in long double. The
- * results agree with system_exact() to an ulp, also at other times. exact_table_create() returns
- * NULL if that has no advantage for this system or step, or if out of memory; free the table by
- * exact_table_free(). The system must outlive the table. */
+struct exact_table; /* Private to src/scene/model/exact.c. */
+/* Makes a table for exact solutions at many times `h` [s] apart, which cost a fraction of
+ * system_exact(): the solution is evaluated at some times, and continued between these by the
+ * one-step map in long double. The results agree with system_exact() to one unit in the last place,
+ * also at times between. Returns NULL if a table has no advantage for this system or step, or if
+ * out of memory. The system must outlive the table. */
 struct exact_table *exact_table_create(const struct system *system, double t0, const double *start,
                                        double h);
-/* Computes the state y [n] at t [s]. */
+/* Computes the state y [n] at t [s], as system_exact() does. */
 void exact_table_at(struct exact_table *table, double t, double *y);
+/* Frees a table; NULL is allowed. */
 void exact_table_free(struct exact_table *table);

@@ -18,7 +18,7 @@ struct cancel;
  *   x' = EXPR              first order
  *   y'' = EXPR             second order: y' or vy in expressions is its velocity
  *   force EXPR             [N], divided by the mass: added to the first coordinate
- *   force x = EXPR         the same for the coordinate x
+ *   force x = EXPR         [N], divided by the mass: added to the coordinate x
  *   potential EXPR         [J], of the forces that depend on positions only
  *   observe E = EXPR       a quantity to look at, and a name for the lines below it
  *
@@ -47,7 +47,7 @@ struct cancel;
  * A second-order equation in y whose right-hand side is written as a0 + a1 y + a2 y' + a3 |y'| y' +
  * a4 cos(a5 t + a6) (or with sin), with a3 <= 0 for the current parameters, is the oscillator with
  * these coefficients: it has the natural sizes, exact solution, exact drag and derived quantities
- * of the built-in one. The same holds with forces added to it.
+ * of the built-in one, also after forces have been added to it.
  */
 
 /* Returns true if each evaluation of the potential energy is a numerical integral along a path,
@@ -201,8 +201,8 @@ bool sliding_return(const struct sliding *sliding, double t, double *y);
 bool sliding_passes(const struct sliding *sliding, int i, double t, const double *y,
                     double tolerance);
 
-/* Moves a state y that is at switch i, up to rounding, exactly onto it if the variable is known:
- * for dry friction it sets the velocity to 0. Other states remain unchanged. */
+/* Moves a state y that is at switch i, up to rounding, exactly onto the switch if that is possible:
+ * for dry friction it sets the velocity to 0. At other switches y remains unchanged. */
 void system_end_at_switch(const struct system *frozen, int i, double *y);
 
 /* Returns the branch of switch i that follows when its guard becomes 0 at (t, y). */

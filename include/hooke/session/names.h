@@ -94,6 +94,6 @@ void names_each(const struct session *session,
 /* Returns true if the name already has a meaning other than a variable of the user (`let`), and
  * sets *kind to its kind: "parameter", "setting", … */
 bool name_is_taken(const struct session *session, struct text name, const char **kind);
-/* Does the same for names that a scene defines: parameters, derived quantities, state variables,
- * observed quantities. */
+/* Returns true if a scene defines this name (parameters, derived quantities, state variables,
+ * observed quantities), and sets *kind to its kind. */
 bool scene_has_name(const struct scene *scene, struct text name, const char **kind);

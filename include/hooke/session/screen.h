@@ -52,7 +52,7 @@ struct cursors {
     int active;      /* Cursor that keys move, 0 for A, 1 for B. */
     bool locked;     /* Both cursors move together. */
     struct {
-        bool set;
+        bool set;                   /* The user has placed the cursor. */
         double t, t_uncertainty, y; /* Time [s], its uncertainty [s], and value [SI]. */
         /* Number of the upward zero crossing at which the cursor is, 0 if it is at none. */
         int crossing;
@@ -81,14 +81,15 @@ struct view {
     double x[2], y[2];
     double window; /* [s] span of the time axis; 0 for automatic */
     double trail;  /* Number of periods of the phase plot; HUGE_VAL for all. */
-    int scroll;    /* Number of rows by which the log is scrolled up. */
+    int scroll;    /* Number of rows by which the log is scrolled back from its end. */
     bool reading;  /* The log fills the screen. */
     /* Index of the log line at which the last search stopped; 0 is the newest line. */
     int found;
     char wanted[LIMIT_NAME + 1]; /* Text of the last search in the log. */
     /* Recipe that the last command has shown, which the key ! executes; NULL if there is none. */
     const char *recipe;
-    /* The live view fills the plot, then begins a new page; otherwise it scrolls by cells. */
+    /* The plot of a live run fills, then begins with an empty page; otherwise it scrolls by whole
+     * cells. */
     bool paging;
     /* [overlays] numbers of the runs drawn beside the current one; those that do not exist are
      * ignored. */
@@ -103,10 +104,11 @@ struct view {
 
 /* The last lines of output, for the log pane: a ring whose oldest line is `first`. */
 struct log {
-    /* [LIMIT_LOG] lines without newline and control characters; allocated with the first line. */
+    /* [LIMIT_LOG] lines without newline and control characters, owned; allocated with the first
+     * line. */
     char **line;
-    int first, count;
-    uint64_t said; /* Number of lines added so far, including those that were dropped. */
+    int first, count; /* Index of the oldest line, and number of lines. */
+    uint64_t said;    /* Number of lines added so far, including those that were dropped. */
 };
 
 /* Adds one or more lines; they are dropped if out of memory. */

@@ -85,7 +85,7 @@ struct series_tools {
 
 /* Returns the functions of this build, or NULL if it has none. */
 const struct series_tools *series_tools(void);
-/* Does the same; if this build has none, sets an error at `word` that names the module which
- * provides `what` ("--band", "data"). */
+/* Returns the functions of this build. If it has none, returns NULL and sets an error at `word`
+ * that names the module which provides `what` ("--band", "data"). */
 const struct series_tools *series_tools_for(const char *what, struct text word,
                                             struct error *error);

@@ -17,11 +17,14 @@ struct stored {
      * `resume`. */
     struct stored_run *run;
     int runs, run_capacity;
-    uint64_t recording[LIMIT_RECORDINGS]; /* [recordings] checksums of their files. */
+    /* [recordings] checksums of the files of recordings whose content is stored. */
+    uint64_t recording[LIMIT_RECORDINGS];
     int recordings;
     uint64_t found_id[STORE_FOUND]; /* [found] identifiers of the stored results. */
     int found;
-    uint64_t content; /* Checksum of the content of another file that was stored last, or 0. */
+    /* Checksum of the content that a module stores once (such as the curve of a fit), or 0 if none
+     * is stored. */
+    uint64_t content;
     /* Number of entries, and of bytes of text, of session->history that are stored. */
     size_t entries, text;
     uint64_t said;  /* Number of stored lines of session->log. */
@@ -104,6 +107,6 @@ struct store_tools {
      * checksum `sum`. Returns false if it is not stored. */
     bool (*bytes)(const struct reader *reader, uint64_t sum, struct text *content);
 };
-/* Returns the functions. Only for functions of struct module_store, which the module `resume`
- * calls. */
+/* Returns the functions. Only functions of struct module_store, which the module `resume` calls,
+ * may use them. */
 const struct store_tools *store_tools(void);
