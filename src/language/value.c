@@ -343,7 +343,8 @@ bool parse_range(struct parser *parser, const char *what, enum quantity wanted, 
                  : false;
 }
 
-/* Reads a whole number into item->value: from 1 up, or any sign if `negative`. */
+/* Reads a whole number, from 1 up or, if `negative` is set, of any sign, into item->value. `what`
+ * names it in messages. Returns false with an error if it is none or too large. */
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item,
                    struct error *error)
 {

@@ -200,8 +200,9 @@ bool coefficients_tex(const struct method *method, struct buffer *output)
 
 /* ---- a table ---- */
 
-/* Makes a table with a row for each stage and each kind of weights: columns row, c (time), k1, k2
- * ... Returns false if out of memory or if the method has none. */
+/* Makes a table, in the arena, of a method's coefficients with a row for each stage and each kind
+ * of weights: columns row (its label), c (time), k1, k2, ... Missing coefficients are NAN. Returns
+ * false if out of memory or if the method has none. */
 bool coefficients_table(const struct method *method, struct arena *arena, struct table *table)
 {
     struct coefficient_row row;

@@ -36,8 +36,8 @@ static double event_column_value(const struct run *run, size_t i, int column)
                       : system_observe(&run->system, column - n, run_event_record(run, i)->t, y);
 }
 
-/* Replies with one record: a line "1 NAME t = ... y = ..." and the same as a record for programs.
- */
+/* Replies with event record number i of the slot's run: a line "1 NAME t = ... y = ..." and a
+ * record `event` for programs. */
 static void reply_event_record(const struct session *session, const struct run_slot *slot, size_t i,
                                struct reply *reply)
 {

@@ -51,8 +51,9 @@ static size_t select_rows(const struct run *run, struct thinning thinning, bool 
     return count;
 }
 
-/* Lists the indices of the runs that were asked for, or of the current run. Returns their number.
- */
+/* Lists the indices of the runs that the argument run= names (all of them for run=all), in
+ * ascending order, or of the current run if it was not given; index has room for all runs. Returns
+ * their number. */
 static int list_runs(const struct session *session, const struct argument_value *runs, int *index)
 {
     int count = 0;

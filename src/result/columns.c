@@ -84,8 +84,9 @@ static void reply_list_column(struct reply *reply, const struct result_column *c
     reply_close(reply);
 }
 
-/* Adds the fields of a row to the record that is open, each by its column's kind; columns may write
- * themselves (record) or be undefined for a row (defined). */
+/* Adds the fields of `row`, an object that the columns describe, to the open record of the reply. A
+ * column is skipped if it has COLUMN_NO_RECORD or is not defined for this row; one with a function
+ * `record` writes its field itself. */
 void reply_columns(struct reply *reply, const struct result_columns *columns, const void *row)
 {
     for (const struct result_column *c = columns->column; c < columns->column + columns->count;

@@ -180,7 +180,9 @@ static bool fill_column(struct table_reading *r, const struct parsed_cell *cell,
     return true;
 }
 
-/* Reads CSV or TSV: keys, a header, rows of equal length. A tab in the header tells TSV. */
+/* Reads a table in CSV or TSV: keys, a header, and rows of equal length. A tab in the header means
+ * TSV. The columns are in r->arena. Returns false with r->error if the text is damaged, if out of
+ * memory, or if row_continues() stops it. */
 static bool read_separated(struct table_reading *r, struct table *table)
 {
     struct table_column *column = NULL;
@@ -254,8 +256,8 @@ static bool read_code(struct table_reading *r, uint32_t *code)
     return true;
 }
 
-/* Reads an escape sequence of JSON behind its backslash and appends the character; a pair of
- * surrogates is one character. Returns false if it is malformed. */
+/* Reads a JSON escape sequence behind its backslash and appends the character to `output`; a pair
+ * of surrogates makes one character. Returns false with r->error if it is malformed. */
 static bool read_escape(struct table_reading *r, struct buffer *output)
 {
     static const char letters[] = "\"\\bfnrt/", meant[] = "\"\\\b\f\n\r\t/";

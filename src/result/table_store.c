@@ -48,8 +48,8 @@ void table_store_free(struct table_store *store)
     *store = (struct table_store){0};
 }
 
-/* Adds a table, in place of an earlier one of its kind, which is freed. Returns false if out of
- * memory. */
+/* Adds a table to the store, which then owns it, and frees an earlier one of its kind. Returns
+ * false, and does not take the table, if out of memory. */
 static bool stored_table_add(struct table_store *store, struct stored_table *stored)
 {
     struct stored_table *previous = table_store_find(store, text_of(stored->kind));

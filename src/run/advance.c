@@ -138,9 +138,11 @@ static double condition_after(void *context, double h)
  * the step: interpolants are nearly always better than that. */
 #define CONDITION_DISTANCE 1e-9
 
-/* Finds an interval [*low, *high] of the step over h, times [s] since its beginning, at whose ends
- * the condition is first false and then true, and sets its values there. The interval is widened
- * around crossing_time until it is found. Sets *low = *high if there is none or if a step fails. */
+/* Finds an interval [*low, *high] of the step of length h, as times [s] since its beginning, at
+ * whose ends the condition is first false and then true, and sets *f_low and *f_high to its values
+ * there. The interval is widened around crossing_time, a time since the beginning of the step,
+ * until it is found. Sets *low = *high if there is none; part->failed tells that a partial step
+ * failed. */
 static void condition_bracket(struct partial_step *part, double crossing_time, double h,
                               double *low, double *f_low, double *high, double *f_high)
 {

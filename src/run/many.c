@@ -98,10 +98,10 @@ static int64_t given_steps_copy(struct run *run, const struct march *march)
     return taken;
 }
 
-/* Makes up to march->count fixed steps by the method. If a state diverges before the last step, the
- * steps beyond it are taken back and their cost is not counted, so that the cost of a run depends
- * neither on the kernel nor on the size of batches. Sets *good to the number of steps before that
- * state, and returns the number of steps made. */
+/* Takes up to march->count fixed steps. If a state diverges before the last step, the march is
+ * repeated up to that state, so that the cost of a run depends neither on the kernel nor on the
+ * size of batches. Sets *status to that of the last step and *good to the number of steps before
+ * the diverging state; returns the number of steps taken. */
 static int64_t march_within(struct run *run, struct march *march, enum step_status *status,
                             int64_t *good)
 {
@@ -209,8 +209,9 @@ static int64_t adapt_within(struct run *run, double end, int64_t count, double *
     return good;
 }
 
-/* Takes adaptive steps: at most a batch, and none beyond the limit or the next look for a
- * singularity. Returns false if nothing was done, so that the next step has to be taken alone. */
+/* Takes a batch of adaptive steps in one call, not beyond the segment's limit or the next check for
+ * a singularity. *stop receives the reason if the run stops, else is unchanged. Returns false if no
+ * step was taken, so that the next one has to be taken alone. */
 static bool adapt_many(struct run *run, const struct segment *segment, enum stop *stop)
 {
     struct run_private *p = run->private_state;

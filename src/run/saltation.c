@@ -74,11 +74,10 @@ void run_set_jump_slopes(struct run *run, const double *slope)
                ((size_t)run->system.n + 1) * sizeof *slope);
 }
 
-/*
- * Sets the derivatives of the event's function by the variables and by time at a state. A function
- * that jumps there has none: differences still tell its moment where it depends on one of them
- * alone, and NAN is set where it depends on more.
- */
+/* Sets slope [n + 1] to the derivatives of the event's function by the n variables and by the time,
+ * by central differences at time t and `state`. A function that jumps there has no derivative: if
+ * it depends on one of them alone, the difference still tells how the moment of the event shifts;
+ * otherwise all are NAN. */
 static void find_moment_slopes(struct run *run, const struct watched *watched, double t,
                                const double *state, double *slope)
 {

@@ -288,8 +288,8 @@ void system_turn_at_kinks(struct system *system)
     system_sum_up(system);
 }
 
-/* Moves dry friction behind all other terms, and counts its switch as the last one, unless steps go
- * across it. */
+/* Moves the term of dry friction, if there is one, behind all other terms, and counts its switch as
+ * the last one. For methods that step across kinks it is not counted as a switch. */
 static void bind_dry(struct system *system)
 {
     for (int i = 0; i < system->terms; i++) {
@@ -308,8 +308,8 @@ static void bind_dry(struct system *system)
     }
 }
 
-/* Sets the system to one without terms. Clears only what is read: it has ten kilobytes, and a sweep
- * binds millions. */
+/* Makes *system one of the model without terms. Clears only members that are read, since the struct
+ * has ten kilobytes and a sweep binds millions of systems. */
 static void system_clear(const struct model *model, struct system *system)
 {
     system->model = model;

@@ -202,8 +202,8 @@ bool events_compile(const struct events *events, const struct expr_scope *scope,
     return true;
 }
 
-/* Lists the events that have stopped the run where it is now. Returns how many. Records of the last
- * step are read, of which those at the run's time have stopped it. */
+/* Lists in stopped[] the events that have stopped the run at its present time, by the records of
+ * its last step, and returns how many there are: 0 if the run stopped for another reason. */
 int events_stopped_at(const struct run_slot *slot, const struct event_line *stopped[LIMIT_EVENTS])
 {
     const struct run *run = slot->run;

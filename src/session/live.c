@@ -109,9 +109,10 @@ static double fraction_done(const struct run *run, const struct run_target *targ
     return fabs(target->t) < T_UNREACHABLE ? (run->t - t_begin) / (target->t - t_begin) : -1;
 }
 
-/* Advances the run towards the target at the pace of the clock, or as fast as possible. The pace
- * begins anew when the user changes the speed, and when the run trails the clock by more than
- * CLOCK_LAG_MAX. */
+/* Advances the run towards the target while the screen is kept up to date: at the pace of the clock
+ * times live->speed if `clocked`, else as fast as possible. The pace begins anew when the user
+ * changes the speed, and when the run trails the clock by more than CLOCK_LAG_MAX. If the user
+ * pauses or quits, run->stop becomes STOP_CANCELLED. */
 void live_advance(struct session *session, struct run *run, const struct run_target *target,
                   bool clocked)
 {

@@ -121,8 +121,9 @@ static bool in_letters(const struct session *session, struct text name, int *ind
     return false;
 }
 
-/* Finds the meaning of a name, in the order at the top of this file, and sets *slot. Returns false
- * if it has none. */
+/* Finds the meaning of a name, in the order at the top of this file, and sets *slot to its kind and
+ * index. names->saved_only leaves out variables and results, which a saved session lacks. Returns
+ * false if it has no meaning. */
 static bool find_name(const struct names *names, struct text name, int *slot)
 {
     const struct session *session = names->session;
@@ -176,8 +177,8 @@ static double setting_number(const struct settings *settings, const struct setti
     return value;
 }
 
-/* Returns value, uncertainty and quantity of what a slot means; the value is NAN if it needs a run
- * and there is none. */
+/* Returns value, uncertainty and quantity of the name with this slot, as find_name() numbers them
+ * (kind and index); the value is NAN if it needs a run and there is none. */
 static struct named_value slot_value(const struct names *names, int slot)
 {
     const struct session *session = names->session;

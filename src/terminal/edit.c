@@ -109,8 +109,8 @@ void panes_enqueue(struct panes *panes, struct text line, enum line_from origin)
     }
 }
 
-/* Handles a line that readline has ended (NULL for Ctrl-D): enqueues it, adds it to the history, or
- * takes the suggestion if it is empty. Frees it. */
+/* Handles a line that readline has ended, or NULL for Ctrl-D: enqueues it as a command and adds it
+ * to the history. An empty line takes or repeats the suggested command. Frees the line. */
 static void handle_line(struct panes *panes, char *typed)
 {
     panes->echo_stale = true;

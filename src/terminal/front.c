@@ -143,8 +143,9 @@ static size_t fitting_statements(struct text line, int room)
 }
 
 /* Shows the next command that a module suggests, which an empty Enter will execute: as many of its
- * statements as fit into a line; the others are offered after it. Shows nothing if something was
- * typed ahead, if the same was shown before, or in quiet mode. */
+ * statements as fit into a line; the others are kept for the next call. Shows nothing in quiet
+ * mode, if the same suggestion was shown before, or with typed_ahead, when input is already
+ * waiting. */
 void offer_next(struct front_program *program, bool typed_ahead)
 {
     struct buffer *offer = &program->offer;

@@ -343,8 +343,9 @@ static const struct key *find_key(const struct key *rows, size_t count, size_t *
     return found;
 }
 
-/* Acts on a key of the tables (readline callback): executes its command line or inserts its text.
- * At the plain prompt only help and Ctrl-L have an effect. */
+/* Acts on a key of the tables, as a readline callback: executes its command line or inserts its
+ * text. `count` is readline's numeric argument and `last` the key. At the plain prompt only help
+ * and Ctrl-L have an effect; unknown keys ring the bell. Returns 0 for readline. */
 static int on_key(int count, int last)
 {
     struct buffer line = {0};

@@ -101,7 +101,8 @@ static void put_theory(struct buffer *output, const struct cursor_reading *readi
                       reading->quality);
 }
 
-/* Draws the table of the point on a portrait: its state, and the keys that move it. */
+/* Draws the table below a portrait for the point that the user moves on it: its state and the keys
+ * that move it. */
 static void plane_table(const struct screen *screen, struct rectangle area)
 {
     struct buffer said = {0};

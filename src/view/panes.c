@@ -55,8 +55,10 @@ static const struct figure_range *requested_range(struct screen *screen, const d
     return fixed;
 }
 
-/* Returns the request for the figure of a pane. `width` [cell] decides how much time is shown and
- * is the same for all panes of a screen; `alone` is true if there is one pane. */
+/* Returns the request for the figure of a pane, with the session's runs, recording and zoom.
+ * `width` [cell] decides how much time is shown and is the same for all panes of a screen; `alone`
+ * is true if there is one pane. runs[] receives the indices of the runs, which the request refers
+ * to. */
 static struct figure_request make_request(struct screen *screen, enum plot_kind pane, int width,
                                           bool alone, int runs[1 + LIMIT_OVERLAY])
 {
@@ -317,8 +319,9 @@ static int widest_gutter(const struct screen *screen, const struct placed_pane *
     return gutter;
 }
 
-/* Makes the figures of all panes. Time plots in one column get labels of the same width, so that
- * their axes are aligned. Returns false if out of memory. */
+/* Makes the figures figure [placed_count] of all panes. Time plots in one column of panes get
+ * labels of the same width (gutter), so that their axes are aligned. Returns false if out of
+ * memory. */
 bool panes_figures(struct screen *screen, const struct placed_pane *placed, int placed_count,
                    struct figure *figure)
 {

@@ -85,7 +85,8 @@ static int time_decimals(double dt)
 }
 
 /* Appends the state of the run (RUNNING with its speed, PAUSED, DIVERGED), its time and steps, or
- * the state of a module that is active, such as a collection. */
+ * the state of a module that is active, such as a collection. `form` tells which of these fit into
+ * the line. "(CPU)" means that the computer cannot keep the chosen speed. */
 static void put_progress(struct buffer *output, const struct session *session,
                          const struct line_form *form)
 {

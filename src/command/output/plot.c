@@ -32,8 +32,9 @@ struct figure_file {
     size_t kind;                         /* place in writer->kinds */
 };
 
-/* Chooses the kind of file by the ending of its name; leaves *file zero for text. Returns false
- * with the error set for other endings. */
+/* Chooses the kind of file by the ending of its name and sets *file to the writer of pictures;
+ * leaves *file zero for text (.txt). `kind` is only used in hints. Returns false with the error set
+ * for other endings or if the module of pictures is missing. */
 static bool choose_file(struct text path, enum plot_kind kind, struct figure_file *file,
                         struct error *error)
 {

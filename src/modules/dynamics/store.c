@@ -77,7 +77,8 @@ static void put_branch(const struct stored_branch *b, struct buffer *buffer)
     put_array(buffer, "specials", b->special, b->specials, sizeof *b->special);
 }
 
-/* Appends the record of result i, numbered as in result_id(). */
+/* Appends the record of result i to the buffer. The results are numbered as in result_id(): the
+ * equilibria first, if there are any, then the closed orbits, then the branches. */
 static void put_result(const struct dynamics *d, int i, struct buffer *buffer)
 {
     const uint64_t id = result_id(d, i);

@@ -139,9 +139,8 @@ static bool write_out(struct ode_lines *r, struct text line, int number, const l
     return fine;
 }
 
-/* Finds the first [a..b] of a line. Sets *begin and *end to the limits of the text between its
- * brackets and *a and *b to both numbers. Returns false if there is none, or if a ']' is missing.
- */
+/* Finds the first [a..b] in a line: sets *begin and *end to the ends of the text in its brackets,
+ * and *a and *b to both numbers. Returns false if there is none. */
 static bool range_of(struct text line, const char **begin, const char **end, long *a, long *b)
 {
     for (const char *cursor = line.data;

@@ -161,9 +161,10 @@ static void find_rows(const struct run *run, const struct row_request *request, 
         *end = *first;
 }
 
-/* Chooses the rows of a run that a figure draws. Strides and shares are powers of two and begin at
- * multiples of themselves, so that rows once chosen stay chosen while a run grows. Returns false
- * with an error if out of memory. */
+/* Chooses the rows of a run that a figure draws and stores their indices in *rows (in the arena):
+ * all if they are few, else the extremes of each bucket of rows, about four buckets per column of
+ * the screen. Strides and buckets are powers of two and begin at multiples of themselves, so that
+ * rows once chosen stay chosen while a run grows. Returns false with an error if out of memory. */
 bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
                  struct chosen_rows *rows, struct error *error)
 {

@@ -42,7 +42,8 @@ double run_rhythm(const struct run *run)
     return TWO_PI * system->scale[0] / system->scale[system->n / 2];
 }
 
-/* Finds the first and the last time [s] of what the plot shows. */
+/* Sets *t_begin and *t_end to the first and last time [s] of the runs of the figure and of the
+ * window of its recording. If there are none, *t_begin is HUGE_VAL and *t_end is -HUGE_VAL. */
 static void find_time_span(const struct drawing *d, double *t_begin, double *t_end)
 {
     *t_begin = HUGE_VAL;

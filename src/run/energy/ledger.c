@@ -297,8 +297,9 @@ bool balance_present(const struct run *run, struct balance *balance)
     return true;
 }
 
-/* Takes the balance back to the run's row: by the row's mark, or by the last saved tally before
- * it. */
+/* Takes the energy balance back to the run's present step after steps were undone: to the mark of
+ * that row in the trace if rows have marks, else to the last saved balance before it, from which
+ * the balance is computed again. */
 void ledger_back(struct run *run)
 {
     struct run_private *p = run->private_state;

@@ -110,9 +110,10 @@ static void quintic_work_add(const struct system *system, bool drags, const stru
     }
 }
 
-/* Computes the work of a step under dry friction, which jumps where the body turns, so that no
- * quintic holds. Solves the motion over the step again by dopri5, whose steps end at such points,
- * and adds the work of each of these. Returns false if that fails. */
+/* Computes *work and *drag, the work of all forces and of drag over the step of *p at time t, under
+ * dry friction. Since the force jumps where the body turns, the step is solved again by dopri5,
+ * whose steps end at such points, and the work of each part is added. Returns false if that fails.
+ */
 static bool dry_step_work(const struct system *system, const struct quintic *p, double t,
                           double *work, double *drag)
 {
@@ -181,8 +182,9 @@ static void inner_states(int half, double h, const double *y0, const double *a0,
     }
 }
 
-/* Returns true if a switch of the equations, dry friction apart, is on one side at one of the four
- * points of a step and on the other side at another. */
+/* Returns true if a switch of the equations (other than that of dry friction) changes its branch
+ * between four points of a step, given by times t and states y, so that quadrature over the step is
+ * not accurate. */
 static bool switches_differ(const struct system *system, const double t[4], double *const y[4])
 {
     double first[LIMIT_SWITCHES], branch[LIMIT_SWITCHES];
@@ -234,8 +236,10 @@ static void scaled_state(const struct work *work, int k, double *y)
         y[i] = state[i] * work->factor;
 }
 
-/* Computes energies and work for any system, step by step. The state, acceleration and power at the
- * end of a step are kept for the next one, in two places that alternate. */
+/* Computes the energy after each step and the work of each step, for any system, by Lobatto
+ * quadrature in done->energy, work and drag; done->jumps and coarse mark steps over which it is not
+ * accurate. State, acceleration and power at the end of a step are kept for the next one, in two
+ * sets that alternate. */
 static void work_of_any(const struct work *work, struct work_done *done)
 {
     const struct system *system = work->system;

@@ -20,8 +20,9 @@ static double known_error(const struct run *run, int i)
     return !isnan(opinion->t) && isnan(opinion->lost) ? opinion->end[i] : 0;
 }
 
-/* Finds variables below the errors that tolerance or opinion give; those that only pass through 0
- * at that moment do not count. */
+/* Sets magnitude_floor [n] of each variable whose magnitude is below the error that tolerance or
+ * second opinion give to that error, and 0 for the others. Variables that only pass through 0 at
+ * that moment do not count. Returns the number of variables that are below. */
 int run_below_tolerance(const struct run *run, double *magnitude_floor)
 {
     const struct system *system = &run->system;

@@ -279,8 +279,7 @@ static bool second_go(const struct run *run, struct second *second, double t_end
     return follower_work(follower) <= max;
 }
 
-/* Advances to and across the events, jumps and changes of the scene before the state after
- * `step`. */
+/* Advances across the events, jumps and changes of the scene before the state after `step`. */
 static bool second_cross(const struct run *run, struct second *second, int64_t step, double max,
                          const struct cancel *cancel)
 {
@@ -331,8 +330,8 @@ static bool is_lost(const struct run *run)
            LOST_CONFIRMATION * fabs(opinion->lost - run->system.t0);
 }
 
-/* Continues to the present state of the run, comparing on the way. Returns false if the end was not
- * reached: with `lost` it stops once is_lost(). */
+/* Continues to the run's state and compares on the way; `max` limits the work. With `lost` it stops
+ * once the result is_lost(). Returns false if the end was not reached. */
 static bool second_follow(struct run *run, double max, bool lost, const struct cancel *cancel)
 {
     struct second *second = run->private_state->second;
@@ -385,7 +384,7 @@ static double error_extrapolate(const struct run *run, const struct second *seco
                                       : fixed_pow(whole / way, fmax(power, 1)));
 }
 
-/* Returns the work that the second solution may take at first, in its own evaluations. */
+/* Returns the work that the second solution may do at first, in evaluations of its own method. */
 static double first_budget(const struct run *run, enum opinion_effort effort)
 {
     const double own = run_evaluations(run);

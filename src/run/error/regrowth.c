@@ -244,11 +244,10 @@ static double frozen_growth(const struct regrowth *r, size_t row, double dt, dou
     return fabs(log) > noise ? log : 0;
 }
 
-/*
- * Returns true unless all variables that came to rest are stable there: a displacement of them is
- * taken from row to row by exponentials of Jacobians, which are exact for what changes slowly,
- * however fast it oscillates. True also where that is not known.
- */
+/* Returns false if all variables that came to rest are stable there, so that errors in them cannot
+ * grow: a displacement of them is carried from row to row by exponentials of Jacobians, which are
+ * exact for what changes slowly, however fast it oscillates. Returns true if it grows by more than
+ * growth_max, or if that is not known. */
 static bool rest_is_unstable(const struct regrowth *r)
 {
     static const double growth_max = 2; /* e-foldings, far below those that errors need */

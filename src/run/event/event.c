@@ -260,15 +260,13 @@ static bool search_found(void *context, double theta, int sign)
     return !look->failed && !event->stop && look->watch->count <= LIMIT_EVENT_RECORDS;
 }
 
-/*
- * Finds the sign of the event's function just after a segment has begun at an event, where the
- * value itself is rounding. Takes the sign at the end of the longest part of the step (all of it,
- * then half of that, and so on) in which bounds of the slope, or of the second derivative, exclude
- * another event: a ball that has just been thrown up may be back long before the end of the step.
- * Returns that end as a fraction of the step, and sets *value to the value there. Returns 0 with
- * *value 0 if there is no such part. Commands that were executed at the event may have changed the
- * state, so that the value at the beginning is not 0: then it returns 0 with that value.
- */
+/* Finds the sign of the event's function just after a segment has begun at an event, where the
+ * value itself is rounding. Tries the whole step, then its half, and so on, until bounds of the
+ * slope or of the second derivative exclude another event in that part: a ball that has just been
+ * thrown up may be back long before the end of the step. Returns the end of that part as a fraction
+ * of the step, and sets *value to the value there, and watched->sign. Returns 0 with *value 0 if
+ * there is no such part, and 0 with the value at the beginning if that is not 0, since commands
+ * executed at the event have changed the state. */
 static double departure_find(struct event_search *look, double *value)
 {
     struct watched *watched = look->watched;
@@ -345,7 +343,8 @@ static void doubt_note(struct run *run, const struct event_search *look, double 
     doubt->is_close = is_close && (doubt->is_close || doubt->steps == 1);
 }
 
-/* Searches the step from theta_begin, where the function has this value, to theta_end. */
+/* Searches the step from the fraction theta_begin, where the function has this value, to theta_end,
+ * and notes a doubt where bounds do not decide. */
 static void interval_search(struct event_search *look, double theta_begin, double value,
                             double theta_end)
 {

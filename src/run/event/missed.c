@@ -96,10 +96,11 @@ static int most_different(const struct system *system, const double *a, const do
     return most;
 }
 
-/* Decides whether the step from row i missed what happens in `burst`: the solution with it is
- * compared with one whose rates during the burst are those just before it. A step that met the
- * burst, or ended at its switch, is like the first; one that met nothing of it is like the second.
- * Returns true also if this cannot be decided, but not for singularities. */
+/* Decides whether the step from row i missed the burst, a short change of the rates. The solution
+ * through the burst is compared with one that keeps the rates from just before it: a step that met
+ * the burst, or ended at its switch, is nearer to the first, one that missed it to the second.
+ * Returns true also if this cannot be decided, but false for singularities and for bursts too short
+ * to resolve. */
 static bool step_passed_over(const struct run *run, size_t i, const struct burst *burst)
 {
     const int n = run->system.n;
@@ -136,9 +137,11 @@ static bool step_passed_over(const struct run *run, size_t i, const struct burst
            fabs(y_solved[k] - y_extrapolated[k]) / fabs(length) / 2;
 }
 
-/* Returns true, and sets *there, if the burst, which was found along a segment of several steps, is
- * also found along one of these steps and this step missed it. (The segment may cross a switch at
- * another time than the step that ended there.) Everything found in one step is one burst. */
+/* Tests whether one of the run's steps missed the burst *found, which was found along a segment of
+ * several steps from row `first`. It must be found along that step, too, since the segment may
+ * cross a switch at another time than the step that ended there. Returns true, and sets *there to
+ * the burst (all bursts within a step are united), if so. *allowed is the remaining work; the
+ * result is false when it is used up. */
 static bool is_missed_by_step(const struct run *run, size_t first, const struct burst *found,
                               int64_t *allowed, struct burst *there)
 {

@@ -161,9 +161,9 @@ static bool turns_back(const struct system *system, const struct followed *point
     return !defined || slope[steepest] * slope_ahead[steepest] < 0;
 }
 
-/* Returns true if a solution that was followed for `way` and ends at `point` still ends if it is
- * followed from there, with the finest possible times. One that is only steep does not, as that of
- * y' = 1/(y^2 + 1e-8). */
+/* Returns true if the solution that ends at `point` really ends there: followed again from there,
+ * with the finest possible time steps, it still ends. `way` is the time for which it was followed
+ * before. A solution that is only steep, as that of y' = 1/(y^2 + 1e-8), does not end. */
 static bool ends_for_sure(const struct run *run, const struct followed *point, double way)
 {
     static const double span = 1e-6,

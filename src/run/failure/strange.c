@@ -57,8 +57,10 @@ static double scaled_size(const struct system *system, const double *y)
     return max;
 }
 
-/* Sets size [n], the units of errors of a step over h from row i: the values before and after it,
- * those of the solution, and later ones where a drive has only begun to move what was at rest. */
+/* Sets size [n], the units in which the errors of a step over h from row i are measured: the
+ * largest of the values before the step, those of `solution` after it, a small part of the natural
+ * sizes and, with a drive, values somewhat later, as the drive may only have begun to move what was
+ * at rest. */
 static void find_sizes(const struct run *run, size_t i, double h, const double *solution,
                        double *size)
 {

@@ -43,9 +43,9 @@ static double steps_price(const struct run_scenario *s, const struct run_work *w
            work->evals * (4 * n + evaluation_price(s->system));
 }
 
-/* Returns the instructions for recording. Blocks of steps are computed in the trace and their range
- * is checked; of long runs rows are chosen; adaptive steps without a kernel are recorded one by
- * one. */
+/* Returns the predicted number of instructions for recording rows. Steps in blocks are computed in
+ * the trace and only checked; long runs are thinned; runs with events, and adaptive runs without a
+ * kernel, record step by step. The constants are measured instructions per step. */
 static double rows_price(const struct run_scenario *s, const struct run_work *work)
 {
     static const double in_place = 3.3, in_place_adaptive = 30, one_by_one = 135, thinned = 30;
@@ -62,8 +62,9 @@ static double rows_price(const struct run_scenario *s, const struct run_work *wo
     return (each + (thins ? thinned : 0)) * work->steps;
 }
 
-/* Returns the instructions of run_diagnose(): rows that run_find_strange_steps() compares with
- * their slopes, or lengths of adaptive steps that are compared. */
+/* Returns the predicted number of instructions of run_diagnose(). Rows of fixed steps are compared
+ * with their slopes by run_find_strange_steps(); of adaptive steps only the lengths are compared.
+ * The constants are measured instructions per row. */
 static double strange_price(const struct run_scenario *s, const struct run_work *work)
 {
     const struct recording_rule *record = &s->settings->record;

@@ -200,9 +200,9 @@ static size_t word_end(const struct compiler *c, size_t position)
     return position;
 }
 
-/* Reads a name and emits it: the longest one that the scope knows. Some names contain a hyphen
- * (phase-error), so a-b is that name if the scope knows it, else a minus b. A ' behind a name
- * belongs to it: y' is the velocity of y. */
+/* Reads a name, the longest that the scope knows, and emits it as an operand. Names may contain a
+ * hyphen (phase-error): a-b is such a name if the scope knows it, else a minus b. A ' behind a name
+ * belongs to it, as y' is the velocity of y. Returns false with an error if the name is unknown. */
 static bool read_name(struct compiler *c)
 {
     size_t length[LIMIT_NAME], count = 0;
@@ -336,11 +336,10 @@ static const struct sign *next_operator(const struct compiler *c)
     return NULL;
 }
 
-/*
- * Reads an operator where one may be. A comparison is part of the expression only inside of
- * parentheses; elsewhere it is that of a condition. Sets *complete if ')' has just closed an
- * operand, and *is_finished if the expression ends here.
- */
+/* Reads what may follow an operand: an operator, a comma, a closing parenthesis or the end. A
+ * comparison belongs to the expression only inside of parentheses; outside it ends the expression,
+ * as it is part of a condition. Sets *complete if a ')' has completed another operand, and
+ * *is_finished if the expression ends here. Returns false with an error. */
 static bool read_operator(struct compiler *c, bool *complete, bool *is_finished)
 {
     char next = compiler_peek(c, 0);

@@ -146,8 +146,9 @@ static bool crosses_near_extreme(const struct root_search *roots, const struct r
     return false;
 }
 
-/* Returns true if a curve whose ends are on one side of 0 has its extreme value on the other. Sets
- * *x to a point there, or to the one where the value is nearest to 0 if it returns false. */
+/* Returns true if the function, whose values at both ends of *s have the same sign, has the other
+ * sign at its extreme between them. Sets *x to a point where it has, or, if it returns false, to
+ * the point tried last, near the extreme. The extreme is found by regula falsi on the slope. */
 static bool crosses_at_extreme(const struct root_search *roots, const struct root_interval *s,
                                double *x)
 {
@@ -263,8 +264,9 @@ static void begin_sign_enter(struct root_search *roots, const struct root_interv
     roots->sign = begin_sign != 0 ? begin_sign : roots->sign;
 }
 
-/* Handles adjacent intervals that no bound decides as one, and empties it: their values differ by
- * errors only, so the sign changes once if it is another one behind them, else they may touch 0. */
+/* Reports the adjacent intervals *all that no bound decides as a single one, and empties it. The
+ * values in it differ from 0 by errors only: if the sign behind it differs from that before, the
+ * function changes sign once; otherwise it may touch 0. */
 static void pass_undecided(struct root_search *roots, struct root_interval *all)
 {
     if (!(all->b > all->a))

@@ -50,9 +50,10 @@ static real frequency(const struct oscillator *o)
     return discriminant > 0 ? sqrtl(discriminant) : -sqrtl(-discriminant);
 }
 
-/* Returns the time at which a body that moves comes to rest, or, for forward < 0, at which it was
- * at rest before: the root of |v0| cos(omega t) = (pull / omega) sin(omega t), or the same with
- * hyperbolic functions. Returns infinity, of that sign, if there is none. */
+/* Returns the time from the start until the body under dry friction stops or, for forward = -1, the
+ * negative time since it last was at rest. It solves |v0| cos(omega t) = (pull / omega) sin(omega
+ * t); omega = 0 is the limit, and omega < 0 stands for hyperbolic functions with -omega. Returns
+ * infinity with the sign of forward if there is no such time. */
 static real turning_time(const struct oscillator *o, real omega, const double *start, real forward)
 {
     const real speed = fabsl((real)start[1]), side = start[1] > 0 ? 1 : -1;

@@ -173,15 +173,13 @@ static void dependence(const struct matrix *x, unsigned *mask)
             mask[i] |= mask[i] >> k & 1 ? mask[k] : 0;
 }
 
-/*
- * Estimates the effect of one ulp. In the time scale it moves the state by eps |t| y'. A rate
- * passes through 0 where another of the same motion is largest, so the largest rate that the
- * variable depends on is used instead, in units of the natural sizes. In a coefficient it moves the
- * rate by eps |A| |y|, more than y' where fast motion has come to rest, and the state by the
- * integral of exp(A t) times that; where motion grows it was small while exp(A t) had far to go, so
- * that |t| bounds the factor that replaces it. A decayed variable is the difference of 1 and -E, in
- * which rounding of long double remains.
- */
+/* Sets floor [n], an estimate of how much the exact state y changes if time or coefficients change
+ * by one ulp, below which differences mean nothing. An ulp of the time moves the state by eps |t|
+ * y'; as a rate passes through 0 where another one of the same motion is largest, the largest rate
+ * that the variable depends on is used, in units of natural sizes. An ulp of a coefficient moves
+ * the rate by eps |A| |y|, and the state by the integral of exp(A t) times that; where motion
+ * grows, |t| bounds that factor. A decayed variable is the difference of 1 and -E (d scales the
+ * variables), in which rounding of long double remains. */
 static void find_floor(const struct system *system, const struct matrix *x, const real *d,
                        const struct matrix *integral, const double *start, real t, const real *y,
                        double *floor)

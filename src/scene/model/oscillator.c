@@ -3,13 +3,12 @@
  * terms.def. */
 #include "scene/model/params.h"
 
-/*
- * The natural length and speed are the largest ones of several motions: from the start, to the
- * equilibrium, in the wells of a cubic force, on a limit cycle, and in response to the drive, which
- * is taken no closer to resonance than a tenth of the spring's frequency squared. `rate` [1/s] is
- * sqrt|k/m| if there is a spring, else that of the other forces. The limit cycle of a strong van
- * der Pol term mostly creeps, and its speed is that.
- */
+/* Sets the natural sizes system->scale of position and velocity: the largest of several motions,
+ * from the start, to the equilibrium, in the wells of a cubic force (coefficient `cubic`), on a van
+ * der Pol limit cycle (coefficient mu, width `width`), and in response to the drive, which is taken
+ * no closer to resonance than a tenth of the spring's frequency squared. `rate` [1/s] is sqrt|k/m|
+ * if there is a spring, else that of the other forces. The limit cycle of a strong van der Pol term
+ * mostly creeps, which reduces the speed. */
 void oscillator_scale(struct system *system, double cubic, double mu, double width)
 {
     const struct oscillator *o = &system->oscillator;

@@ -82,8 +82,10 @@ static void incomplete_find(struct compile *c)
             c->typed->incomplete = (int)(c->unknown[i].line - c->typed->line);
 }
 
-/* Gives the variables their places in the state, the velocities last, and adds their initial
- * values. The scene is of second order only if all variables are. Returns false with an error. */
+/* Assigns indices in the state to the variables, with velocities behind all positions, and adds the
+ * formulas of their initial values. A variable has a velocity if its equation is of second order
+ * or, without one, if its velocity is used; the scene is of second order if all variables are.
+ * Returns false with an error. */
 static bool state_lay_out(struct compile *c)
 {
     struct typed *typed = c->typed;

@@ -14,8 +14,8 @@
 
 /* ---- linearity ---- */
 
-/* Degree of an operation in the state from those of its operands: 0, 1, or 2 for anything that is
- * not linear. */
+/* Returns the degree in the state of an operation with operands of degrees a, b, c: 0 (constant), 1
+ * (linear), or 2 for anything that is not linear. */
 static int degree(enum node_kind kind, int a, int b, int c)
 {
     switch (kind) {

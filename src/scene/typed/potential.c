@@ -166,9 +166,10 @@ static bool is_symmetric(int rows, int n, const double *jac, const double *ratio
     return isfinite(size) && twist <= tolerated * size;
 }
 
-/* Finds ratios of masses with which the actions of pairs of coordinates on each other are equal,
- * from the first coordinate on. Coordinates that nothing connects to it get ratios to the first one
- * of theirs, which is 1. */
+/* Finds ratios of masses, ratio [rows], with which the actions of pairs of coordinates on each
+ * other are equal, so that the forces can have a potential. jac holds `count` Jacobians [rows][n]
+ * at several states. Coordinates connected to each other get ratios to the first one of them, which
+ * is 1. */
 static void find_ratios(int rows, int n, const double *jac, int count, double *ratio)
 {
     int queue[LIMIT_VARIABLES], known = 0;

@@ -347,8 +347,9 @@ static bool second_correct(const struct sliding *s, const struct sliding_fields 
     return true;
 }
 
-/* Computes the distance of each argument from its switch. Returns true if one is off, or if its
- * rate is not 0 where it has to be. */
+/* Sets miss [s->count] to the distance of each switch argument from its level at time t and state
+ * y, and *fields to the rates there. Returns true if one is not exactly 0, or if the rate of an
+ * argument is not 0 where it has to be, so that the state must be corrected. */
 static bool is_off_switches(const struct sliding *s, double t, const double *y,
                             struct sliding_fields *fields, double *miss)
 {

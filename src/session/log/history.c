@@ -116,8 +116,9 @@ static size_t size_min(size_t a, size_t b)
     return a < b ? a : b;
 }
 
-/* Drops whole lines from the beginning until both limits are kept, and with them the text that no
- * later entry uses. */
+/* Drops entries, in units of typed lines, from the beginning of the history when one of its limits
+ * is exceeded twofold, until both are kept, and the text that no remaining entry uses. log->first
+ * and text_first count what was dropped. */
 void history_trim(struct session *session)
 {
     struct history *log = &session->history;

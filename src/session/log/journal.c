@@ -251,8 +251,9 @@ static void request_repeat(struct session *session, const struct run_slot *so_fa
     arena_reset(&arena);
 }
 
-/* Advances the run to step `steps` along the list that ends at last, beginning with the first
- * request that was made at or after the run's present step. Returns false if out of memory. */
+/* Repeats the journal's requests (going on, stepping back, kicks, changed parameters) on the slot's
+ * run until its step `steps`, along the list that ends at `last`, from the first request made at or
+ * after the run's present step. Returns false if out of memory. */
 static bool repeat_requests(struct session *session, struct run_slot *slot, struct request *last,
                             int64_t steps)
 {
@@ -300,8 +301,8 @@ static bool same_request(const struct request *a, const struct request *b)
            text_equal(text_of(a->condition), text_of(b->condition));
 }
 
-/* Returns the step up to which both lists lead to the same states; 0 if one of them goes back,
- * which is hard to compare; INT64_MAX if they are the same. */
+/* Returns the step up to which the requests of both lists lead to the same states: INT64_MAX if the
+ * lists are equal, 0 if one contains a step back, which is hard to compare. */
 static int64_t common_steps(const struct request *a, const struct request *b)
 {
     /* steps at which the first differing requests were made */

@@ -114,9 +114,9 @@ static const struct row *scene_without(struct text name)
     return NULL;
 }
 
-/* Writes the user's variables. They come before the scene, which may use such a name for something
- * of its own; each is written in a scene in which it can be made. Returns true if the commands
- * leave another scene than the first preset. */
+/* Writes the user's variables as `let` commands. They come before the scene, in which such a name
+ * may mean something else; each is preceded by a `scene` command if the present scene would not
+ * allow it. Returns true if the scene at the end is not the first preset. */
 static bool save_let(const struct setup *setup, struct buffer *text)
 {
     const struct row *now = catalog_row(&preset_catalog, 0), *first = now;

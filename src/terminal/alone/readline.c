@@ -14,8 +14,8 @@ void own_rl_newline(void);
     }
 
 void *__wrap_dlsym(void *handle, const char *name);
-/* Returns readline's own function of this name, or NULL. It is linked in place of dlsym, which
- * finds nothing in a static program. */
+/* Returns readline's function of this name, or NULL if it is none of the three that are looked up.
+ * Linked in place of dlsym, which finds nothing in a static program; `handle` is ignored. */
 void *__wrap_dlsym(void *handle, const char *name)
 {
     static const struct {

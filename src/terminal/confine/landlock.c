@@ -60,8 +60,9 @@ int confine_version(void)
     return version > 0 ? (int)version : 0;
 }
 
-/* Adds a rule that allows these rights beneath a path. A path that does not exist needs none.
- * Returns false with errno set if the kernel refuses it. */
+/* Adds a rule to the Landlock rule set `rules` that allows the rights `allowed` beneath a path. A
+ * path that cannot be opened because it does not exist or is not accessible needs no rule. Returns
+ * false with errno set if the kernel refuses it. */
 static bool allow_beneath(int rules, const char *path, uint64_t allowed)
 {
     struct beneath beneath = {.allowed = allowed};

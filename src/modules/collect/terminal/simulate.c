@@ -50,7 +50,8 @@ static bool word_refuse(struct text word, const char *why)
     return false;
 }
 
-/* Reads NUMBER or NUMBER UNIT of the quantity into *si. Returns false if it is malformed. */
+/* Reads NUMBER or NUMBER UNIT and sets *si to it in the SI unit of the quantity; a bare number is
+ * one in that unit. Returns false if it is malformed or the unit does not fit. */
 static bool read_number(struct text value, enum quantity quantity, double *si)
 {
     size_t used = 0;

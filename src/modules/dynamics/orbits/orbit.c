@@ -406,8 +406,10 @@ static int differentiable_parameter(const struct scene *scene)
     return 0;
 }
 
-/* Searches a response if there is a drive, else near the guessed period, else what the motion
- * returns to. */
+/* Finds a closed orbit: the response if there is a periodic drive, else one near the guessed
+ * request->period, else whatever the motion returns to. *found receives the orbit with its cost.
+ * Returns false with *error if there is none, if forces depend on time but not periodically, or if
+ * cancelled. */
 bool orbit_find(const struct orbit_request *request, struct found_orbit *found, struct error *error)
 {
     const int64_t start_time = clock_ns();

@@ -57,7 +57,8 @@ static struct run *run_with(const struct spread_request *request, int index, dou
                : NULL;
 }
 
-/* Adds factor times the variable at all times to every count-th element of slope. */
+/* Adds factor times the run's variable, interpolated at the request's times t [n], to slope[i *
+ * known->count], i = 0 to n - 1. Differences of such runs are derivatives by a known parameter. */
 static void add_run(const struct spread_request *request, struct run *run, double factor,
                     double *slope)
 {

@@ -214,7 +214,9 @@ static bool add_factor(struct product *p, int base, double power, int exponent)
     return true;
 }
 
-/* Multiplies the product by node^power. Returns false if it has too many factors. */
+/* Multiplies the product *p by node i of the graph to the given power: splits products, quotients,
+ * signs, roots and powers into factors; what does not depend on x goes into p->number and
+ * p->constant. Returns false if *p has too many factors. */
 static bool product_multiply(struct integration *integration, int i, double power,
                              struct product *p)
 {
@@ -338,8 +340,9 @@ static bool put_summand(struct integration *integration, double number, int cons
 
 static bool node_integrate(struct integration *integration, int i, double sign);
 
-/* Integrates a product by substitution of one of its factors, if the others are a multiple of the
- * derivative of its argument. Returns false if no factor is one. */
+/* Integrates the product *p by substitution: looks for a factor f(u) such that the remaining
+ * factors are a constant multiple of du/dx, and adds the integral as a summand. Calls are tried
+ * first, then powers. Returns false if there is no such factor. */
 static bool substitute_factor(struct integration *integration, const struct product *p)
 {
     struct graph *g = integration->g;

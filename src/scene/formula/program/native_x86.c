@@ -40,8 +40,9 @@ static void with_memory(struct emitter *e, int code, int reg, int slot)
         with_address(e, DOUBLE, code, reg, e->frame, slot);
 }
 
-/* Writes an instruction on a register and the value of a place, wherever it is. An immediate byte
- * follows it, unless that is negative. */
+/* Writes an SSE instruction (opcode `code`) on register `reg` and the value of a slot, which may be
+ * in another register, in the pool of numbers or in memory. `immediate` is a byte that follows the
+ * instruction, or negative for none. */
 static void with_slot(struct emitter *e, int code, int reg, int slot, int immediate)
 {
     const int trailing_bytes = immediate >= 0;

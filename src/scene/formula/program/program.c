@@ -112,8 +112,8 @@ static void instruction_emit(struct schedule *s, const struct node *node, int i)
     release(s, node, instruction);
 }
 
-/* Counts uses, fuses products, and gives places to names and numbers. Returns false if out of
- * memory. */
+/* Counts how often each node is used, fuses products with sums, and assigns slots to the names and
+ * numbers in use; allocates the program's arrays. Returns false if out of memory. */
 static bool prepare(struct schedule *s)
 {
     struct program *p = s->program;
