@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* language: the arguments of commands: their description in the rows of commands (struct argument,
- * struct command), and their parsing into struct arguments. parse_arguments() reads all arguments
- * of a statement by the types in its row; handlers get the values by argument_value() and the
- * functions beside it. */
+/* language: the arguments of commands. Rows of commands describe them (struct command, struct
+ * argument), and parsing makes a struct arguments. parse_arguments() reads all arguments of a
+ * statement by the types in the command's row; handlers get the values by argument_value(),
+ * has_argument() and argument_text(). */
 #pragma once
 
 #include <hooke/result.h>
@@ -14,10 +14,10 @@ struct unit;
 
 /* Form of an argument in a statement. */
 enum argument_form {
-    FORM_PLACE,  /* Positional: DURATION. */
-    FORM_WORD,   /* Its own name precedes it: to T, run N. */
-    FORM_KEY,    /* NAME=item */
-    FORM_OPTION, /* --NAME [item] */
+    FORM_PLACE,  /* Positional, such as DURATION. */
+    FORM_WORD,   /* NAME item, such as `to T` or `run N`. */
+    FORM_KEY,    /* NAME=item, such as dt=1ms. */
+    FORM_OPTION, /* --NAME [item], such as --force. */
 };
 
 /* Types of arguments: TYPE_VALUE, TYPE_CHOICE, …, the rows of src/language/types.def. */
@@ -28,36 +28,36 @@ enum argument_type {
 
 /* Properties of types, combined by |. */
 enum type_flag {
-    TYPE_IS_NUMBER = 1,     /* It is a number: nothing may follow it without a blank. */
-    TYPE_GOES_ON = 2,       /* It is an expression, which continues over blanks. */
-    TYPE_HAS_QUANTITY = 4,  /* It has the argument's quantity. */
+    TYPE_IS_NUMBER = 1,     /* The item is a number, after which a blank must follow. */
+    TYPE_GOES_ON = 2,       /* The item is an expression, which may contain blanks. */
+    TYPE_HAS_QUANTITY = 4,  /* The value has the quantity of its struct argument. */
     TYPE_SHOWS_CHOICES = 8, /* The line of usage shows the choices if they are few. */
-    TYPE_SHOWS_BOTH = 16,   /* The line of usage shows the general form, too. */
-    /* It is a list: several items may follow a word without repeating it. */
+    TYPE_SHOWS_BOTH = 16,   /* The line of usage shows the choices and the general form. */
+    /* Several items may follow a FORM_WORD, which is not repeated. */
     TYPE_IS_LIST = 64,
-    TYPE_BEFORE_WORDS = 128, /* Its choices take precedence over words of the same name. */
-    /* A word that does not fit is read as the next positional argument. */
+    /* A word that is a choice of a positional argument is read as this choice even if the command
+     * also has a FORM_WORD of that name, as in `measure energy`. */
+    TYPE_BEFORE_WORDS = 128,
+    /* A positional argument that may be left out: a word that is no item of the type is read as the
+     * next positional argument. */
     TYPE_MAY_BE_SKIPPED = 256,
-    TYPE_BEFORE_EQUALS = 512, /* A = after it belongs to the next item. */
-    /* It accepts NAME=… for any name. */
-    TYPE_IS_ANY_KEY = 1024,
-    /* It is the name of a file. */
-    TYPE_IS_FILE = 2048,
-    /* It takes all remaining text. */
-    TYPE_TAKES_REST = 4096,
-    /* It is a formula. */
-    TYPE_IS_FORMULA = 8192,
+    /* A name before '=' is read as this item, not as a FORM_KEY, as in `let NAME = VALUE`. */
+    TYPE_BEFORE_EQUALS = 512,
+    TYPE_IS_ANY_KEY = 1024, /* The argument accepts NAME=item with any name. */
+    TYPE_IS_FILE = 2048,    /* The item is the name of a file. */
+    TYPE_TAKES_REST = 4096, /* The item is all remaining text of the statement. */
+    TYPE_IS_FORMULA = 8192, /* The item is a formula. */
 };
 
 /* Properties of arguments, combined by |. */
 enum argument_flag {
-    /* It must be given. */
-    ARG_REQUIRED = 1,
+    ARG_REQUIRED = 1, /* The argument must be given. */
     /* Several items may be given: separated by blanks or commas if positional or after a word, by
      * commas after a key. */
     ARG_MANY = 2,
     ARG_ALL = 4, /* The word `all` stands for every run. */
-    /* A TYPE_COLUMN may be any word if `of` follows it: a column of a table. */
+    /* A TYPE_COLUMN may name a column of a table: any word, if the word `of` and the name of the
+     * table follow, as in `plot error of compare`. */
     ARG_OF = 16,
     ARG_NEGATIVE = 8, /* A TYPE_INTEGER or TYPE_VALUE may be negative or zero. */
 };
@@ -65,19 +65,20 @@ enum argument_flag {
 /* Description of an argument, in the row of its command. */
 struct argument {
     enum argument_form form;
-    /* Name for usage and messages, "DURATION", or the word as typed: "to", "dt", "force". */
+    /* Name in usage and messages, such as "DURATION", for FORM_PLACE. Other forms have the word
+     * that users type, such as "to", "dt" or "force". */
     const char *name;
     enum argument_type type;
-    /* Type of a module, in place of `type`, or NULL. */
+    /* Type that a module defines, in place of `type`; or NULL. */
     const struct argument_type_row *own_type;
     /* Flags of enum argument_flag. */
     unsigned flags;
-    /* Quantity of its value. */
+    /* Quantity of the value; QUANTITY_OTHER accepts any. */
     enum quantity quantity;
     /* Choices of a TYPE_CHOICE. */
     const struct catalog *choices;
-    const char *lead; /* Word that may precede it, such as "of", or NULL. */
-    const char *more; /* More text for the line of usage, such as "[from LABEL]", or NULL. */
+    const char *lead; /* Word that may precede the argument, such as "of", or NULL. */
+    const char *more; /* Text that follows in the line of usage, "[from LABEL]", or NULL. */
     int group;        /* Arguments of the same group (not 0) exclude each other. */
 };
 
@@ -90,9 +91,10 @@ struct completion;
 
 /* A type of arguments. */
 struct argument_type_row {
-    const char *name, *shown; /* Name, and form in the line of usage. */
-    /* Reads one item from the parser, up to a blank or one of `stops`. Returns false with `error`
-     * set. */
+    const char *name, /* Name of the type, such as "RANGE". */
+        *shown;       /* Form of an item in the line of usage, such as "FROM:TO". */
+    /* Reads one item at the beginning of parser->rest, up to a blank or a character of `stops`, and
+     * removes the item from it. Returns false with `error` set. */
     bool (*read)(struct parser *parser, const struct argument *argument, const char *stops,
                  struct item *item, struct error *error);
     /* Offers completions of an item after the text `preceding`; NULL offers none. */
@@ -106,7 +108,7 @@ const struct argument_type_row *argument_type(const struct argument *argument);
 /* Returns the row of a type of src/language/types.def. */
 const struct argument_type_row *argument_type_row(enum argument_type type);
 
-/* Returns true if the argument's type has one of the flags. */
+/* Returns true if the argument's type has at least one of these flags of enum type_flag. */
 static inline bool type_is(const struct argument *argument, unsigned flags)
 {
     return (argument_type(argument)->flags & flags) != 0;
@@ -116,17 +118,19 @@ static inline bool type_is(const struct argument *argument, unsigned flags)
 
 /* Properties of commands, combined by |. */
 enum command_flag {
-    COMMAND_CHANGES = 1,    /* May change what undo restores: a snapshot is taken before. */
+    COMMAND_CHANGES = 1,    /* May change what undo restores, so that a snapshot is taken before. */
     COMMAND_UNRECORDED = 2, /* Not written by `record`. */
     COMMAND_ANYTIME = 4,    /* Allowed during a live run, which it does not disturb. */
-    /* Executes other statements, which have their own entries in the history. */
+    /* Executes other statements, each with an entry of its own in the history. */
     COMMAND_NESTS = 8,
     /* Allowed among the commands of an event, although it changes the session. */
     COMMAND_IN_EVENTS = 16,
-    COMMAND_STARTS = 32,   /* Starts a run, to whose state its conditions refer. */
-    COMMAND_ASSIGNS = 64,  /* A statement NAME = VALUE is its short form. */
-    COMMAND_EQUATES = 128, /* A statement NAME' = EXPR is its short form. */
-    /* NAME' = EXPR is its short form during a run: a variable gets another value. */
+    COMMAND_STARTS = 32, /* Starts a run; conditions among the arguments refer to this run. */
+    /* The one command that executes statements NAME = VALUE. */
+    COMMAND_ASSIGNS = 64,
+    /* The one command that executes statements NAME' = EXPR, except during a run. */
+    COMMAND_EQUATES = 128,
+    /* The one command that executes NAME' = EXPR during a run: the variable jumps to the value. */
     COMMAND_JUMPS = 256,
     COMMAND_TABLES = 512, /* Its result is a table, which `> FILE` writes. */
     /* Allowed in a saved session, as are commands that undo takes back. */
@@ -134,40 +138,40 @@ enum command_flag {
     COMMAND_BESIDE = 2048, /* Allowed while a recording is collected. */
 };
 
-/* Completion of the text after a command, if its arguments do not define it. */
+/* Candidates that are offered as completions of the text after a command's name. */
 enum completes {
-    /* The arguments define it. */
-    COMPLETES_ARGUMENTS,
-    COMPLETES_GRID,     /* NAME=FROM:TO */
-    COMPLETES_TOPICS,   /* topics of help */
-    COMPLETES_ATOL,     /* variables, then values */
-    COMPLETES_KINDS,    /* kinds of lists, then kinds of methods */
-    COMPLETES_SHOWN,    /* groups and names */
-    COMPLETES_VALUES,   /* a name, then its unit or choices */
-    COMPLETES_EQUATION, /* NAME' = EXPR */
-    COMPLETES_VARIABLE, /* NAME = VALUE [UNIT] */
-    COMPLETES_PARAMETER,
-    COMPLETES_OBSERVED, /* NAME = EXPR */
-    COMPLETES_FORCE,    /* EXPR, or `off` */
-    COMPLETES_POTENTIAL,
-    COMPLETES_EVENT,
+    COMPLETES_ARGUMENTS, /* Those of the command's arguments, by their types. */
+    COMPLETES_GRID,      /* NAME=FROM:TO of a parameter, dt or tol. */
+    COMPLETES_TOPICS,    /* Topics of help. */
+    COMPLETES_ATOL,      /* Variables, then values, of `atol`. */
+    COMPLETES_KINDS,     /* Kinds of lists; after `list methods` kinds of methods. */
+    COMPLETES_SHOWN,     /* Topics of `show`, and names that have a value. */
+    COMPLETES_VALUES,    /* A name that `set` can change, then its units or choices. */
+    COMPLETES_EQUATION,  /* NAME' = EXPR of `equation`. */
+    COMPLETES_VARIABLE,  /* NAME = VALUE [UNIT] of `var`. */
+    COMPLETES_PARAMETER, /* NAME = VALUE [UNIT] of `param`. */
+    COMPLETES_OBSERVED,  /* NAME = EXPR of `observe`. */
+    COMPLETES_FORCE,     /* EXPR, or `off`, of `force`. */
+    COMPLETES_POTENTIAL, /* EXPR of `potential`. */
+    COMPLETES_EVENT,     /* The rule of an event. */
 };
 
 struct arguments;
 
 /* A command: a row of command_catalog. */
 struct command {
-    struct row row;       /* Name, "", description, "", aliases. */
+    struct row row;       /* Name, no unit, description, no source, aliases. */
     const char *group;    /* Heading under which help lists it: "SCENE", "RUN", … */
     const char *text;     /* Text for help. */
-    const char *examples; /* Examples, two lines. */
+    const char *examples; /* Two lines of examples. */
     const char *see;      /* Names of related commands, separated by blanks. */
     /* [arguments] its arguments. */
     const struct argument *argument;
     int arguments;
-    unsigned flags;
+    unsigned flags; /* Flags of enum command_flag. */
     enum completes completes;
-    /* Executes the command. Returns false with `error` set; the session is then unchanged. */
+    /* Executes the command with its arguments `value`. Returns false, with `error` set and the
+     * session unchanged, on failure. */
     bool (*handler)(struct session *session, const struct arguments *value, struct reply *reply,
                     struct error *error);
 };
@@ -189,20 +193,20 @@ static inline const struct command *command_at(const struct row *row)
 
 /* ---- the arguments of a statement ---- */
 
-/* One item of an argument, as it was read; the type decides which members are set. */
+/* One item of an argument that was read. The argument's type decides which members are set. */
 struct item {
     struct text text;        /* Text as typed, without quotes and escapes. */
-    struct measured value;   /* Value [SI]; its uncertainty is 0 unless given. */
+    struct measured value;   /* Value [SI]; the uncertainty is 0 unless it was typed. */
     const struct unit *unit; /* Unit as typed, or NULL. */
     /* Quantity of the value if it follows from its unit or a single name, else QUANTITY_OTHER. */
     enum quantity quantity;
-    /* It was quoted. */
-    bool is_string;
+    bool is_string;        /* The text was quoted. */
     double range[2];       /* Ends of a range [SI], NAN if open. */
     const struct row *row; /* Row of a TYPE_CHOICE. */
-    /* Index of a choice in its catalog, or of a run or recording in the session; -1 for all. */
+    /* Index of a choice in its catalog, or of a run or recording in the session; -1 for the word
+     * `all`. */
     int index;
-    /* Condition and expression, in the arena. */
+    /* Compiled condition or expression, in the arena; NULL for other types. */
     const struct condition *condition;
     const struct expr *expr;
 };
@@ -220,7 +224,7 @@ struct arguments {
     const struct command *command;
     struct text word; /* Name of the command as typed; empty for an assignment. */
     struct argument_value value[ARGUMENTS_MAX]; /* Values in the order of command->argument. */
-    const struct expr_scope *scope;             /* Scope of conditions and expressions. */
+    const struct expr_scope *scope;             /* Names in conditions and expressions. */
     struct arena *arena;                        /* Memory that lives until the command ends. */
     /* Origin of the line, or NULL. */
     const struct source *where;
@@ -254,29 +258,31 @@ const struct argument_value *added_argument(const struct arguments *arguments, c
 /* State of parsing a statement; readers move `rest` forward. */
 struct parser {
     struct session *session;
-    const struct expr_scope *scope;
-    struct arena *arena;
-    struct text rest; /* Remaining text of the statement. */
+    const struct expr_scope *scope; /* Names that expressions can use. */
+    struct arena *arena;            /* Memory of items. */
+    struct text rest;               /* Remaining text of the statement. */
 };
 
-/* Reads a word, up to a blank or one of `stops`, or a quoted string: item->is_string tells which.
- * Returns false with `error` set. */
+/* Reads a word, which ends before a blank or a character of `stops`, or a quoted string, for which
+ * item->is_string becomes true. Returns false with `error` set. */
 bool parse_word(struct parser *parser, const char *stops, struct item *item, struct error *error);
-/* Returns the text before the first option, so that `1 --force` is not read as a subtraction. */
+/* Returns the part of the text before its first --option, so that `1 --force` is not read as a
+ * subtraction. */
 struct text before_option(struct text text);
-/* Reads EXPR [+- EXPR] [UNIT] of the quantity `wanted`, or of any with QUANTITY_OTHER; `what` names
- * the value in messages. Returns false with `error` set. */
+/* Reads EXPR [+- EXPR] [UNIT] of the quantity `wanted`; QUANTITY_OTHER accepts any quantity. Here
+ * and below `what` is the name of the value in messages. Returns false with `error` set. */
 bool parse_value(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
                  struct error *error);
 /* Reads FROM:TO, either of which may be missing, into item->range. Returns false with `error` set.
  */
 bool parse_range(struct parser *parser, const char *what, enum quantity wanted, struct item *item,
                  struct error *error);
-/* Reads WIDTHxHEIGHT of a picture into item->range [m]; in cm without a unit. Returns false with
- * `error` set. */
+/* Reads WIDTHxHEIGHT of a picture, up to a character of `stops`, into item->range [m]. Lengths
+ * without a unit are in cm. Returns false with `error` set. */
 bool parse_sides(struct parser *parser, const char *what, const char *stops, struct item *item,
                  struct error *error);
-/* Reads an integer, > 0 unless `negative`. Returns false with `error` set. */
+/* Reads an integer, which must be positive unless `negative` also allows 0 and negative ones.
+ * Returns false with `error` set. */
 bool parse_integer(struct parser *parser, const char *what, bool negative, struct item *item,
                    struct error *error);
 /* Returns true if no text remains. Otherwise sets an error with the likely reason: decimal comma,
@@ -285,12 +291,12 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
 /* Reads all arguments of a command from the parser. Returns false with `error` set. */
 bool parse_arguments(struct parser *parser, const struct command *command,
                      struct arguments *arguments, struct error *error);
-/* Returns the row of this name; for statements typed at a prompt also the only row whose name
- * begins so. NULL if there is none. */
+/* Returns the row of this name or, for a statement typed at a prompt, the only row whose name
+ * begins with `name`. Returns NULL if there is none. */
 const struct row *catalog_choose(const struct session *session, const struct catalog *catalog,
                                  struct text name);
-/* Returns false, with `error` set, if the name is that of a row of a module that this build leaves
- * out. */
+/* Returns false, with `error` set, if a module that this build leaves out would add a row of this
+ * name to the catalog; else true. */
 bool choice_is_in(const struct catalog *catalog, struct text name, struct error *error);
 
 /* Reads the value of a setting from the parser into `settings`. Returns false with `error` set. */
@@ -303,8 +309,9 @@ bool setting_read(const struct setting *setting, struct parser *parser, struct s
  * Returns false, with `error` set, for a recording or an unknown column. */
 bool subject_column(struct subject *subject, const struct argument_value *column,
                     const struct argument_value *window, struct arena *arena, struct error *error);
-/* Opens the run or recording that was given, else the latest, within a window (TYPE_RANGE); any of
- * the three may be NULL. With `energy` the series is the energy. Returns false, with `error` set,
+/* Fills *subject with the series of the run or recording that the arguments `run` and `data` name,
+ * or of the latest one, within `window` (TYPE_RANGE). Each of the three arguments may be NULL. With
+ * `energy` the series is the energy, else the position. Returns false, with `error` set,
  * if there are fewer than `min` samples. Memory is the arena's. */
 bool subject_open(struct session *session, const struct argument_value *run,
                   const struct argument_value *data, const struct argument_value *window,
@@ -313,11 +320,11 @@ bool subject_open(struct session *session, const struct argument_value *run,
 
 /* ---- words of commands ---- */
 
-/* Choices of arguments, struct row in the order of the constants below. */
+/* Choices of arguments: rows in the order of the letters and enums below. */
 extern const struct catalog separator_catalog, decimal_catalog, quantity_catalog, show_catalog,
     list_catalog;
 
-/* Characters that the rows of separator_catalog and decimal_catalog stand for. */
+/* Characters at the index of the rows of separator_catalog and of decimal_catalog. */
 static const char separator_letters[] = "\t,; ";
 static const char decimal_letters[] = ".,";
 
@@ -359,7 +366,7 @@ enum listed {
 /* A row of list_catalog. Kinds of modules follow those of the enum. */
 struct list_kind {
     struct row row;
-    /* Lists the items of a module's kind. Returns false if out of memory. NULL for kinds of the
-     * enum. */
+    /* Replies with the items of a module's kind. Returns false if out of memory. NULL for kinds of
+     * the enum. */
     bool (*list)(struct session *session, struct arena *arena, struct reply *reply);
 };

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* module: the interface of modules. A module is a capability in a folder of its own,
- * src/modules/NAME, that a build may leave out (make WITHOUT=NAME). It fills a struct module, whose
- * members are all optional but the row; the core finds modules by module_list and never names one.
- * src/modules/README.md tells how a module is written. Functions that return bool set `error` when
- * they return false. */
+ * src/modules/NAME, that a build may leave out (make WITHOUT=NAME). A module defines a struct
+ * module, all of whose members but `row` are optional. The core calls modules through module_list
+ * and names none of them. src/modules/README.md tells how a module is written. */
 #pragma once
 
 #include <hooke/session.h>
@@ -18,15 +17,16 @@ struct figure;
 struct reader; /* <hooke/session/read.h> */
 struct reply;
 struct stored;      /* <hooke/session/stored.h> */
-struct store_tools; /* there, too */
+struct store_tools; /* <hooke/session/stored.h> */
 
 /* Reads scenes of another program, for `load scene FILE`. */
 struct scene_reader {
     /* Ending of the files, such as "ode"; NULL if the module reads no scenes. */
     const char *ending;
     const char *kind; /* Name in messages, such as "files of XPPAUT". */
-    /* Makes the file's scene that of the session. `set` is the name of one of the file's sets of
-     * values, or empty. Returns false with `error` set and the session unchanged. */
+    /* Replaces the session's scene by that of the file at path `file`. `set` is the name of one of
+     * the sets of values in the file, or empty. Returns false, with `error` set and the session
+     * unchanged, on failure. */
     bool (*load)(struct session *session, const struct arguments *arguments, struct text file,
                  struct text set, struct reply *reply, struct error *error);
 };
@@ -35,10 +35,10 @@ struct scene_reader {
 struct scene_writer {
     /* Endings of the files, such as ".c .py"; NULL if the module writes no scenes. */
     const char *endings;
-    /* Formats, whose rows are named by these endings without their dots. */
+    /* Formats, a row for each ending, whose name is the ending without its dot. */
     const struct catalog *kinds;
-    /* Appends the content of a file; `kind` is the index in `kinds`. Returns false with `error`
-     * set. */
+    /* Appends the content of a file in format `kind`, an index in `kinds`. Temporary memory is the
+     * arena's. Returns false with `error` set. */
     bool (*write)(const struct session *session, size_t kind, struct arena *arena,
                   struct buffer *output, struct error *error);
 };
@@ -47,41 +47,44 @@ struct scene_writer {
 struct picture_writer {
     /* Endings of the files, such as ".svg .pdf"; NULL if the module draws no pictures. */
     const char *files;
-    /* Description in messages, such as "a picture in a file that ends in .svg or .pdf". */
+    /* Description of the files in messages, such as "a picture in a file that ends in .svg or
+     * .pdf". */
     const char *where;
-    /* Formats, whose rows are named by these endings without their dots. */
+    /* Formats, a row for each ending, whose name is the ending without its dot. */
     const struct catalog *kinds;
-    /* Appends the content of a file with a picture of width x height points, or of a usual size if
-     * they are 0; `kind` is the index in `kinds`. Returns false with `error` set. */
+    /* Appends the content of a file in format `kind`, an index in `kinds`, with a picture of width
+     * x height points (1/72 inch); 0 stands for the usual size. Returns false with `error` set. */
     bool (*write)(const struct figure *figure, size_t kind, double width, double height,
                   struct buffer *output, struct error *error);
 };
 
-/* Functions that save a module's part (its state in a session) in the session's file. Each may be
- * NULL. */
+/* Functions that save a module's part (its state in a session) in the session's file, which is a
+ * series of records (<hooke/session/stored.h>). Each may be NULL. */
 struct module_store {
-    /* Appends its fields to the record of the session's state. */
+    /* Appends the fields of the part to the record of the session's state (RECORD_STATE). */
     void (*put)(const void *part, struct buffer *output);
-    /* Makes the next of its own records, from number *next on, that the file does not contain.
-     * Returns false if there is none. */
+    /* Makes one record of the part's own: the first one, counted from number *next, that the file
+     * does not contain; advances *next. Returns false if there is none. */
     bool (*put_next)(const void *part, struct stored *stored, int *next);
-    /* Sets two pieces of content that are written once, as a record that store_tools()->bytes()
-     * finds by *sum, which is 0 until then. Returns false if there is no content. At most one
-     * module of a build has this function. */
+    /* Gives the module's large content, such as the curve of a fit, as two pieces, which are joined
+     * in one record. *sum is set to the address of the part's checksum of that record, which is 0
+     * until the caller has stored the record; store_tools()->bytes() finds it by the checksum.
+     * Returns false if there is no content. At most one module of a build has this function. */
     bool (*content)(void *part, struct text piece[2], uint64_t **sum);
-    /* Marks the records as unused whose content was dropped from the session. */
+    /* Marks records in the file as unused if the session does not have their content any more. */
     void (*forget)(const void *part, struct stored *stored);
     /* Restores the part from the records that were read. */
     void (*read)(struct reader *reader);
 };
 
-/* Labels of results to which `use LABEL` goes back. */
+/* Labels of earlier results, which `use LABEL` makes the latest ones again. */
 struct module_labels {
     /* Returns true if the word has the form of a label; NULL if the module has no labels. */
     bool (*is_label)(struct text word);
     /* Offers the labels that exist. */
     void (*complete)(struct completion *completion);
-    /* Goes back to the result with the label of `use`. Returns false with `error` set. */
+    /* Makes the result whose label is the argument of `use` the latest one. Returns false with
+     * `error` set. */
     bool (*use)(struct session *session, const struct arguments *arguments, struct reply *reply,
                 struct error *error);
 };
@@ -93,7 +96,7 @@ struct module_stopped {
     /* Resumes the work, which can be stopped and resumed again. Returns false with `error` set. */
     bool (*go_on)(struct session *session, const struct arguments *arguments, struct reply *reply,
                   struct error *error);
-    /* Forgets the stopped work, when a new run has begun. */
+    /* Discards the stopped work; called when a new run has begun. */
     void (*forget)(struct session *session);
 };
 
@@ -106,36 +109,35 @@ struct module_prompt {
      * false if the module has none, so that the next module is asked.
      */
     bool (*next)(const struct session *session, struct buffer *line);
-    /* Appends the module's current activity to the state line, in place of the scene; with numbers
-     * of what was done if `counts`, with blanks between numbers and units if `blanks`. Returns
-     * false if it does nothing. */
+    /* Appends the module's current activity to the state line, in place of the scene. `counts` adds
+     * numbers, such as of samples received; `blanks` writes blanks between numbers and units.
+     * Returns false, with nothing appended, if the module does nothing at present. */
     bool (*state)(const struct session *session, bool counts, bool blanks, struct buffer *output);
-    /* Appends a name for the prompt that replaces "hooke", or nothing. */
+    /* Appends a name that replaces "hooke" in the prompt, such as "lab 2/9", or nothing. */
     void (*label)(const struct session *session, struct buffer *text);
 };
 
-/* An option with which the program does one thing and then ends: `hooke --WORD …`. */
+/* A command-line option with which the program does one task and then ends: `hooke --WORD …`. */
 struct module_option {
-    const char *word;  /* Its name without the dashes; NULL if the module has none. */
-    const char *shown; /* Its arguments in `hooke --help`, such as " DIR ...". */
-    /* Its description in one line. */
-    const char *brief;
-    /* Its arguments in messages, such as "folders". */
-    const char *wants;
-    bool takes_first; /* The word after it is an argument even if it begins with a dash. */
-    /* Executes it in a new session with `words` >= 1 arguments of the command line. Returns the
-     * exit status. */
+    const char *word;  /* Name of the option without its dashes; NULL if the module has none. */
+    const char *shown; /* Arguments of the option in `hooke --help`, such as " DIR ...". */
+    const char *brief; /* Description of the option in one line. */
+    const char *wants; /* Word for the arguments in messages, such as "folders". */
+    bool takes_first;  /* The word after the option is an argument even if it begins with a dash. */
+    /* Does the task in a new session, with word [words] the arguments of the option, words >= 1.
+     * Returns the exit status. */
     int (*run)(struct session *session, const char *const *word, int words, struct reply *reply);
 };
 
-/* A module, an element of module_list. Members that it does not use are NULL or 0. */
+/* A module, an element of module_list. Members that a module does not use are NULL or 0. */
 struct module {
-    struct row row;    /* Its name, that of its folder, and its purpose. */
-    const char *needs; /* Names of modules without which it is not built, separated by blanks. */
+    struct row row;    /* Name of the module and of its folder, and its purpose. */
+    const char *needs; /* Names of the modules that it requires, separated by blanks. */
     struct scene_reader reader;
     struct scene_writer writer;
     struct picture_writer pictures;
-    size_t part_size; /* [byte] size of its part: its state in a session, zeroed at first. */
+    /* Size [byte] of the module's part, which is its state in a session; zeroed when created. */
+    size_t part_size;
     void (*part_free)(void *part); /* Frees what the part points to; may be NULL. */
     /* Returns true if the part refers to the typed model; may be NULL. */
     bool (*part_uses)(const void *part, const struct model *model);
@@ -143,19 +145,21 @@ struct module {
     struct module_labels labels;
     struct module_prompt prompt;
     struct module_option option;
-    find_attractor *attractor; /* Computes `sweep measure=attractor`; may be NULL. */
+    find_attractor *attractor; /* Computes points of `sweep measure=attractor`; may be NULL. */
     struct module_stopped stopped;
     /* Appends lines to the text of `plan`; may be NULL. */
     void (*plan)(const struct session *session, struct buffer *text);
     /* Catalogs whose names `help` explains, ended by NULL; may be NULL. */
     const struct catalog *const *catalogs;
-    /* Offers completions after the text `preceding` of a command. Returns false if the command's
-     * arguments define them; may be NULL. */
+    /* Offers completions of the word after the text `preceding`, which follows the command's name.
+     * Returns false if the types of the command's arguments decide instead; may be NULL. */
     bool (*complete)(struct completion *completion, const struct command *command,
                      struct text preceding);
-    /* Functions on series, or NULL (<hooke/session/series_tools.h>). */
+    /* Functions on series, provided by the module `recording`; else NULL
+     * (<hooke/session/series_tools.h>). */
     const struct series_tools *series;
-    /* Functions that save parts of modules, or NULL (<hooke/session/stored.h>). */
+    /* Functions for saving parts, provided by the module `resume`; else NULL
+     * (<hooke/session/stored.h>). */
     const struct store_tools *keeps;
     /* Called after each statement; may be NULL. */
     void (*statement_ended)(struct session *session);
@@ -168,12 +172,12 @@ extern const char *const module_left_out[];
 /* Appends the line "modules   NAME NAME" with the modules of this build. */
 void modules_put(struct buffer *text);
 
-/* Appends a name for the prompt, such as "lab 2/9", or nothing. */
+/* Appends the name for the prompt of the first module that has one (module_prompt.label). */
 void modules_label(const struct session *session, struct buffer *text);
 
-/* Returns false, with status 2 and the module's name in `error`, if this build leaves out the
- * module to which `what` belongs: a command, an option, "load .ode" or "export .py". `word` is the
- * position of the error. */
+/* Returns false if this build leaves out the module to which `what` belongs: a command, an option,
+ * "load .ode" or "export .py". `error` then has status 2, the module's name and, as its position,
+ * that of `word`. */
 bool module_is_in(const char *what, struct text word, struct error *error);
 
 /* Returns the functions that draw pictures, or NULL if no module of this build has them. */
@@ -181,10 +185,10 @@ const struct picture_writer *module_pictures(void);
 
 /* Returns the module with stopped work, or NULL if there is none. */
 const struct module *module_waiting(const struct session *session);
-/* Makes all modules forget stopped work. */
+/* Discards the stopped work of all modules. */
 void modules_forget_stopped(struct session *session);
 
 /* Returns a module's part of the session, which the first call creates; NULL if out of memory. */
 void *session_part(const struct session *session, const struct module *module);
-/* Returns the part if it exists, else NULL. */
+/* Returns the module's part if session_part() has created it, else NULL. */
 void *session_part_if_made(const struct session *session, const struct module *module);

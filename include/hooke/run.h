@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/*
- * run: the integration of one scene by one method: the plan, advancing, the recorded rows (trace),
+/* run: the integration of one scene by one method: the plan, the steps, the recorded rows (trace),
  * events, the reason of a stop, and the estimate of the error (opinion).
  *
  * run_create() makes a run at its start, run_advance() takes steps until a target, trace_…() read
@@ -18,11 +17,12 @@ struct catalog;
 /*
  * ---- trace: the rows that were recorded ----
  *
- * A row is a state of n values with its time. The last row is always the current state, recorded or
- * not. With fixed steps the times are t0 + i dt and not stored. A trace with RECORD_AUTO, whose
- * rows carry their step index, is decimated if there are too many rows: pairs of buckets are
- * merged. Of each pair the first row and those with the smallest and largest position remain, so
- * that no peak is lost. Pointers into the trace are valid until the run changes.
+ * A row is a state of n values with its time. The last row is always the current state, even if it
+ * is not recorded. With fixed steps the times are t0 + i dt and are not stored. A trace with
+ * RECORD_AUTO is decimated if it has too many rows: its rows form buckets, and two neighbouring
+ * buckets are merged into one, which keeps the first row and those with the smallest and largest
+ * position, so that no peak is lost; the step index of each row is then stored. Pointers into the
+ * trace are valid until the run changes.
  */
 
 struct trace;
@@ -43,10 +43,11 @@ size_t trace_bytes(const struct trace *trace); /* Returns the memory [byte] that
 
 /* ---- settings and the plan ---- */
 
-/* Ways to compute fixed steps, the fastest first. A propagator multiplies by powers of the method's
- * one-step matrix, for linear scenes of two variables without a drive; no forces are evaluated. A
- * specialised kernel is code for one method and kind of scene; the general way works for all. These
- * two have the same bits, from which states of the propagator differ by a few eps per step. */
+/* Ways to compute fixed steps, the fastest first. The propagator multiplies the state by powers of
+ * the method's one-step matrix, without evaluating forces; it needs a linear scene of two variables
+ * without a drive. A specialised kernel is code for one method and kind of scene. The general way
+ * works for all and gives the same bits as a kernel; states of the propagator differ from these by
+ * a few eps per step. */
 enum kernel { KERNEL_PROPAGATOR, KERNEL_SPECIALISED, KERNEL_GENERAL };
 
 /* Names of the ways, struct row at the index of the enum: propagator, specialised, general. */
@@ -55,7 +56,8 @@ extern const struct catalog kernel_catalog;
 /* Settings of a run, copied when it is created. */
 struct run_settings {
     double dt; /* [s] > 0: fixed step, or first guess of an adaptive method. */
-    /* Relative tolerance of adaptive steps, if the method has them; 0 asks for fixed steps. */
+    /* Relative tolerance of adaptive steps; 0 for fixed steps. Ignored if the method has no
+     * adaptive steps. */
     double tol;
     enum drag drag;
     enum kernel kernel; /* Fastest way of computing steps that is allowed. */
@@ -63,22 +65,22 @@ struct run_settings {
      * along. */
     bool compensated;
     struct recording_rule record;
-    /* The energy balance is not needed, so that it may be left out if rows are more than a step
-     * apart. */
+    /* The caller does not need the energy balance, so that it may be left out if there is more than
+     * one step between recorded rows. */
     bool unbalanced;
     size_t memory; /* [byte] budget of the trace; 0 stands for 1 GiB */
 };
 
-/* List of what a run will compute and what it leaves out, and predictions of its size. */
+/* Plan of a run: which computations it needs, and predictions of its size and duration. */
 struct plan {
     /* Steps are chosen by the tolerance. */
     bool adaptive;
     bool propagates;  /* Steps are powers of the one-step matrix; no forces are evaluated. */
-    bool exact_known; /* The exact solution is known. */
-    bool ledger;      /* The energy balance needs the work of drag and drive. */
+    bool exact_known; /* The exact solution of the scene is known. */
+    bool ledger;      /* The work of drag and drive is summed for the energy balance. */
     double steps;     /* Predicted number of steps, NAN if adaptive. */
     double bytes;     /* Predicted size [byte] of the trace. */
-    double seconds;   /* Predicted run time [s]. */
+    double seconds;   /* Predicted wall time [s]. */
     /* Predicted amplitude growth per step of the linear oscillator, NAN if the scene is not linear.
      */
     double growth;
@@ -86,7 +88,7 @@ struct plan {
     double limit;
     int64_t whole;  /* Number of whole steps of dt in the span. */
     double partial; /* Length [s] of the last, shorter step, or 0. */
-    bool exact_end; /* The span is a whole number of steps. */
+    bool exact_end; /* The span is a whole number of steps; `partial` is 0. */
 };
 
 /* Makes the plan of a run over `span` [s], which may be negative (backwards in time) or infinite.
@@ -119,8 +121,8 @@ enum stop {
     STOP_NO_SOLUTION, /* An implicit equation was not solved. */
     STOP_STALLED,     /* An adaptive step would be below the rounding of t. */
     STOP_FULL,        /* The memory budget is used up. */
-    STOP_SINGULAR,    /* The solution itself ends there. */
-    STOP_GIVEN_UP     /* The caller gave it up because it would take too long. */
+    STOP_SINGULAR,    /* The exact solution ends here, see struct singularity. */
+    STOP_GIVEN_UP     /* The caller stopped the run because it would take too long. */
 };
 
 /* Returns true if the run was only interrupted and can continue as it would have. */
@@ -144,52 +146,58 @@ const char *stop_name(enum stop stop);
  * singularity. */
 #define RUN_CREEP 1e-6
 
-/* End of the solution itself, as system_singularity() finds it. */
+/* Time at which the exact solution of an equation ends, as system_singularity() finds it. */
 struct singularity {
     double t;    /* Time [s] of the end; NAN if there is none or it is unknown. */
-    bool finite; /* The solution remains finite there and only its derivative is infinite. */
+    bool finite; /* The solution remains finite at t; only its derivative becomes infinite. */
 };
 
-/* A fixed step whose result has little to do with the solution from the state where it began. */
+/* A fixed step that was far too long: its result has little to do with the exact solution that
+ * starts from the state before the step. */
 struct unsound_step {
     /* Error of the step as a multiple of the variable's value; 0 if no such step was found. */
     double times;
-    double t, value; /* Time [s] at which the step ended, and value of the variable there. */
-    double solution; /* Value that it should have. */
+    double t, value; /* Time [s] at the end of the step, and value of the variable then [SI]. */
+    double solution; /* Value [SI] of the exact solution at that time. */
     int variable;    /* Index of the variable with the largest error. */
 };
 
 /*
  * ---- opinion: the estimated error of an adaptive run ----
  *
- * It is the distance from the closed form, or from a second solution by a method of another kind at
- * a hundredth of the tolerance. The unit is the largest value of each variable so far, at least its
- * size along the run (struct controller), or atol / tol if atol is given.
+ * The error of a run is estimated by its distance from the closed form or, if none is known, from a
+ * second solution by a method of another kind at a hundredth of the tolerance. Distances of a
+ * variable are divided by its largest magnitude so far, at least its size along the run (scale of
+ * struct controller), or by atol / tol if atol is given.
  */
 
-/* An error above this many tolerances is warned of. */
+/* A warning is given if the estimated error is above this many tolerances. */
 #define OPINION_WRONG 100
-/* First budget of the second solution: the larger one of OPINION_BUDGET evaluations and Jacobians
- * divided by the number of variables (some milliseconds), and the fraction OPINION_SHARE of those
- * of the run. */
+/* First budget of the second solution, in evaluations (with those of Jacobians): the larger one of
+ * OPINION_BUDGET divided by the number of variables, which takes some milliseconds, and the
+ * fraction OPINION_SHARE of the run's own evaluations. */
 #define OPINION_BUDGET 4e5
 #define OPINION_SHARE 0.1
-/* The same if its beginning shows that the end may be wrong: about a tenth of a second. */
+/* Second budget, which replaces the first one if the error that was found within the first budget
+ * suggests that the end of the run may be wrong. OPINION_DOUBT is the fraction of the run's own
+ * evaluations; OPINION_BUDGET_DOUBT takes about a tenth of a second. */
 #define OPINION_DOUBT 0.45
 #define OPINION_BUDGET_DOUBT 4e6
 
-/* Estimated error of a run up to a time t, beyond which nothing is known. */
+/* Estimated error of a run, as a multiple of the sizes of variables described above. It is known up
+ * to time t of the run. */
 struct opinion {
     /* Error at the time t, or its mean up to t if that is larger; NAN if there is no estimate. */
     double error;
-    /* Largest error up to t; where a value jumps, an error of the jump's time is one of the value.
-     */
+    /* Largest error up to t. An error of the time at which a value jumps counts as an error of the
+     * value. */
     double max;
     double t; /* [s] time up to which solutions were compared */
-    /* Time [s] from which the error is as large as the motion; NAN if there is none. */
+    /* Time [s] from which on the error is as large as the motion; NAN if there is no such time. */
     double lost;
     double work; /* Number of evaluations and Jacobians of the second solution. */
-    /* [n] errors [SI] at t; if t is before the run's time, multiplied as `error` has grown. */
+    /* [n] errors [SI] of the variables at the run's current time; if that is later than t, they are
+     * extrapolated by the growth of `error`. */
     double end[LIMIT_VARIABLES];
     /* Method of the second solution, or NULL if the closed form was used. */
     const struct method *method;
@@ -202,7 +210,7 @@ struct run {
     int number; /* Number by which users call it, from 1. */
     char name[LIMIT_NAME + 1];
     struct scene scene; /* The scene at the start. */
-    /* The system now in force. */
+    /* The system that is integrated at present. */
     struct system system;
     const struct method *method;
     struct run_settings settings;
@@ -219,15 +227,18 @@ struct run {
     /* Reason of the last stop. */
     enum stop stop;
     struct singularity singular; /* Valid with STOP_SINGULAR. */
-    struct unsound_step unsound; /* The worst step that run_diagnose() has found. */
-    /* Warnings of each kind that users have already seen. */
+    /* The step with the largest error that run_diagnose() has found. */
+    struct unsound_step unsound;
+    /* Kinds of warnings about the run that users have already seen; each is given once. */
     bool warned_growth, warned_sliding, warned_piling, warned_unsound, warned_doubt, warned_error;
     bool warned_burst;
-    struct burst missed; /* First burst that run_missed_burst() found; t_begin == t_end if none. */
+    /* First burst, a short fast change of a force (<hooke/scene/bursts.h>), that run_missed_burst()
+     * found; t_begin == t_end if none. */
+    struct burst missed;
     /* State of the step-size control. */
     struct controller controller;
     struct opinion opinion; /* Estimated error, filled by run_second_opinion(). */
-    /* Stops computations that read the run; NULL if they cannot be cancelled. */
+    /* Flag that stops computations that read the run; NULL if they cannot be cancelled. */
     const struct cancel *cancel;
 
     struct run_private *private_state; /* Work memory, private. */
@@ -235,9 +246,10 @@ struct run {
 
 /* Returns the magnitude [SI] of state variable i above which a run counts as diverged. */
 double run_bound(const struct system *system, int i);
-/* Provides states that are already known after the next `count` whole steps, row [count][n], which
- * the caller owns and keeps; a run of fixed steps then uses them instead of computing the same, and
- * does not count their evaluations. */
+/* Provides row [count][n], the states after the next `count` whole steps, which the caller has
+ * computed already. A run of fixed steps uses them instead of computing the same states, and does
+ * not count their evaluations. The caller owns the array and keeps it until these steps are taken.
+ */
 void run_give(struct run *run, const double *row, int64_t count);
 /* Creates a run at its start, with one recorded row; `span` [s] is as in plan_make(). Returns NULL,
  * with `error` set, if the scene cannot be bound, the method does not apply, or out of memory. Free
@@ -247,32 +259,35 @@ struct run *run_create(const struct scene *scene, const struct method *method,
 /* Frees a run with its trace and work memory; NULL is allowed. */
 void run_destroy(struct run *run);
 
-/* An event: an expression passes through 0 during the run. It is searched for in each step on the
- * method's dense output, on which its time is found to rounding; bounds of the expression prove
- * that none is missed, or run_event_doubt() reports where they do not. There is no event at the
- * very start of a run; at its end there is one even if it is late by rounding. Events at the same
- * time, but for rounding, happen at one time in the order of their definition. */
+/* An event: an expression passes through 0 during the run. Each step is searched for events on the
+ * method's dense output, which gives the time of an event within rounding. Bounds of the expression
+ * prove that no event is missed; run_event_doubt() reports steps for which they do not. An
+ * expression that is 0 at the start of a run makes no event there. An event that rounding would put
+ * just behind the end of the run happens at the end. Events whose times differ only by rounding
+ * happen at one time, in the order of their definition. */
 struct event {
     char name[LIMIT_NAME + 1];
     /* The expression is left - right, or left alone if `right` is NULL. */
     const struct expr *left, *right;
     int direction; /* 1 for rising, -1 for falling, 0 for both */
-    /* It also happens where the expression touches 0, within errors, without changing its sign. */
+    /* The event also happens where the expression touches 0, within the errors of the run, without
+     * changing its sign. */
     bool touching;
-    bool stop; /* The run stops there with STOP_CONDITION. */
-    /* Scope that loads observables of the run's current state; set by the caller. */
+    bool stop; /* The run stops at the event, with STOP_CONDITION. */
+    /* Scope that gives observables their values at the run's current state; set by the caller. */
     const struct expr_scope *scope;
 };
 
-/* Compiles EXPR [rising|falling|touching], or a comparison, which happens where it becomes true.
- * Fills the members from `left` to `direction` and sets *used to the length [byte]. Returns false
+/* Compiles the text of an event: EXPR [rising|falling|touching], or a comparison, for an event that
+ * happens where the comparison becomes true. Fills the members from `left` to `touching`, in the
+ * arena, and sets *used to the length [byte] of the part of the text that was read. Returns false
  * with `error` set. */
 bool event_compile(struct text text, const struct expr_scope *scope, struct arena *arena,
                    struct event *event, size_t *used, struct error *error);
 
 /* An event that has happened. */
 struct event_record {
-    int event;     /* Index in the target's list. */
+    int event;     /* Index of the event in run_target.event. */
     int direction; /* 1 for rising, -1 for falling, 0 for touching */
     int64_t step;  /* Number of steps of the run, including the one in which it happened. */
     double t;      /* Time [s] of the event. */
@@ -283,15 +298,16 @@ struct event_record {
 struct event_doubt {
     int64_t steps;          /* Number of such steps. */
     double t_first, t_last; /* Times [s] of the first and the last of them. */
-    /* The only reason is that the expression came nearer to 0 than the errors of the run. */
+    /* The only reason for doubt is that the expression came so near to 0 that the errors of the run
+     * decide whether it reached 0. */
     bool is_close;
 };
 
-/* Returns the doubt about an event, given by its index in the targets' lists; LIMIT_EVENTS stands
- * for the condition. */
+/* Returns the doubt about event number `event` of run_target.event; LIMIT_EVENTS stands for the
+ * condition of the target. */
 struct event_doubt run_event_doubt(const struct run *run, int event);
-/* Returns the number of events that have happened; the functions below return record i, and the
- * state [n] at it, both owned by the run. */
+/* Return the number of events that have happened, record i of these, and the state [n] at the time
+ * of record i. The run owns records and states. */
 size_t run_event_records(const struct run *run);
 const struct event_record *run_event_record(const struct run *run, size_t i);
 const double *run_event_record_state(const struct run *run, size_t i);
@@ -301,11 +317,11 @@ struct run_target {
     double t; /* Time [s] at which to stop; HUGE_VAL (-HUGE_VAL backwards) if there is no end. */
     /* Largest number of further steps, counted from this call; negative if there is no limit. */
     int64_t steps;
-    /* Condition at which to stop, located as events are, or NULL. If it is true at the start,
-     * it must become false first; with <= and >= it is also true where both sides touch within
-     * the errors of the run. */
+    /* Condition at which to stop, or NULL. The time at which it becomes true is found as that of an
+     * event. A condition that is true at the start must become false first. With <= and >= it is
+     * also true where both sides touch within the errors of the run. */
     const struct condition *condition;
-    /* Scope of the condition, which loads observables of this run's current state. */
+    /* Scope of the condition, which gives observables their values at the run's current state. */
     const struct expr_scope *scope;
     const struct event *event; /* [events] events to search for. */
     int events;
@@ -316,21 +332,22 @@ struct run_target {
 double run_rest(const struct run *run);
 /* Advances the run until the target, another reason to stop, cancellation, or the end of budget_ns
  * [ns of wall time], where 0 means no limit. Returns true while there is more to do. The rows do
- * not depend on how the work is divided into calls. A last, shorter step does not change
- * settings.dt, and a later call continues on the grid t0 + i dt if it can; after a shorter step
- * (end of a span, condition) and after a change of direction a new grid begins at the current time.
+ * not depend on how the work is divided into calls. Fixed steps lie on the grid t0 + i dt. The last
+ * step before the target or the condition may be shorter, which does not change settings.dt; the
+ * next call then begins a new grid at the current time, as after a change of direction.
  * A failed step, or one that cannot be recorded (STOP_FULL), leaves the state before it, bit for
  * bit; calling again tries it again. */
 bool run_advance(struct run *run, const struct run_target *target, int64_t budget_ns,
                  const struct cancel *cancel);
-/* Sets a run of fixed steps to the state y [n] after `steps` steps of its first grid, which the
- * caller has computed. The rows remain. The method's next step is taken as its first. */
+/* Sets a run of fixed steps to the state y [n], which the caller has computed, after `steps` steps
+ * from t0. Recorded rows remain as they are. The next step of the method starts without values of
+ * earlier steps. */
 void run_place(struct run *run, int64_t steps, const double *y);
-/* Goes back by `rows` recorded rows and drops those behind; never integrates backwards. Returns
- * false, at the start, if there are fewer. Restores time, state and the parameters then in force,
- * but not the memory of a multistep method or of step control, which start again; and a propagator
- * cannot restart inside a block of a decimated trace. A row inside a step (RECORD_TIMES) becomes
- * the end of that step. */
+/* Goes back by `rows` recorded rows and drops the later ones, without integrating. If there are
+ * fewer rows, goes back to the start and returns false. Restores time, state and the parameters
+ * then in force, but not the memory of a multistep method or of step control, which start again;
+ * and a propagator cannot restart inside a bucket of a decimated trace. A row inside a step
+ * (RECORD_TIMES) becomes the end of that step. */
 bool run_back(struct run *run, int64_t rows);
 /* Changes parameters during the run: uses those of `scene` from the current step on; y0, v0 and t0
  * have no effect. The grid of times remains, the exact solution is continued from its own value,
@@ -339,16 +356,19 @@ bool run_back(struct run *run, int64_t rows);
 bool run_rebind(struct run *run, const struct scene *scene, struct error *error);
 /* Returns the system that was in force on the step to a row; owned by the run. */
 const struct system *run_system_to(const struct run *run, size_t row);
-/* Undoes the last run_rebind(), if no step was taken since: the run has its previous parameters. */
+/* Undoes the last run_rebind() if no step was taken since, so that the run has its previous
+ * parameters again. */
 void run_unbind(struct run *run);
-/* Sets variable i of the current state to a value [SI], as a step of length 0: there are two rows
- * at one time. The change of energy counts as work, and the exact solution is unknown from there.
- * run_back() does not stop at the row before the jump. Returns false, with `error` set and the run
- * unchanged, if the value counts as diverged, if the method does not allow it, or if out of memory.
+/* Sets variable i of the current state to a value [SI]. The jump counts as a step of length 0, so
+ * that two rows have the same time. The change of energy counts as work, and the exact solution is
+ * unknown from there. run_back() does not stop at the row before the jump. Returns false, with
+ * `error` set and the run unchanged, if the value counts as diverged, if the method does not allow
+ * it, or if out of memory.
  */
 bool run_kick(struct run *run, int i, double value, struct error *error);
-/* Provides slope [n + 1], the derivatives of the value that run_kick() has just set by the state
- * before it and by time. Without them the second solution of the opinion ends there. */
+/* Sets slope [n + 1], the derivatives of the value that run_kick() has just set with respect to the
+ * n variables before the jump and to time. A second solution needs them to estimate the error
+ * beyond the jump. */
 void run_set_jump_slopes(struct run *run, const double *slope);
 /* Returns true if steps or rows depend on earlier steps and not on the current state alone, so that
  * the same bits can only be reached by repeating the whole run. */
@@ -366,25 +386,27 @@ void run_diagnose(struct run *run);
  * 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06 s". */
 void run_explain(const struct run *run, struct buffer *text);
 /* Limits of the work on an opinion. OPINION_BRIEF allows the fraction OPINION_BRIEF_SHARE of the
- * run's own work, and is OPINION_DEMANDED if small values matter (atol). OPINION_DEMANDED allows
- * the first budget above. OPINION_WHOLE continues to the end. The first two may continue to the
- * second budget: BRIEF if the error so far suggests that no digit is correct at the end, DEMANDED
- * if it may exceed OPINION_WRONG. */
+ * run's own work; it is the same as OPINION_DEMANDED if a variable with an atol is small compared
+ * with its largest values. OPINION_DEMANDED allows the first budget above. OPINION_WHOLE
+ * continues to the end of the run. The second budget is used by OPINION_BRIEF if the error so far
+ * suggests that no digit is correct at the end, and by OPINION_DEMANDED if the error there may
+ * exceed OPINION_WRONG. */
 enum opinion_effort { OPINION_BRIEF, OPINION_DEMANDED, OPINION_WHOLE };
 
 /* Computes run->opinion of an adaptive run up to its current state, or as far as the effort allows;
  * nothing else of the run changes. Compares at most 256 recorded states per call. */
 void run_second_opinion(struct run *run, enum opinion_effort effort, const struct cancel *cancel);
-/* Returns true if there is an opinion and nothing is known that it cannot see: such as a burst that
- * both solutions may have stepped over, unless they differ by much. */
+/* Returns true if there is an opinion that can be trusted: nothing is known that both solutions may
+ * have missed, such as a burst, or the two solutions differ by much anyway. */
 bool run_opinion_known(const struct run *run);
 /* Sets magnitude_floor [n] to the magnitude [SI] below which a variable of an adaptive run has no
  * correct digit, for variables that are that small now; it follows from the error that the run
  * allows or that its opinion states. Variables that only pass through 0, and all others, get 0.
- * Returns the number of variables that are that small. */
+ * Returns the number of variables whose floor is not 0. */
 int run_below_tolerance(const struct run *run, double *magnitude_floor);
-/* Finds a burst that no step has seen, in the rows since the last call. Returns true with *missed
- * set; false if there is none or if not all steps were recorded. */
+/* Searches the rows since the last call for a burst between the points at which steps evaluated the
+ * forces. Returns true with *missed set to the first one, or false if there is none or if not all
+ * steps were recorded. */
 bool run_missed_burst(struct run *run, struct burst *missed);
 
 #include <hooke/run/observable.h>
