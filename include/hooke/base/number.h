@@ -16,9 +16,10 @@
 /* Result of reading a number. */
 enum real_status {
     REAL_OK,
-    REAL_EMPTY,
+    REAL_EMPTY, /* The text is empty. */
+    /* No number at the start of the text; or, for real_parse(), text after the number. */
     REAL_MALFORMED,
-    REAL_OVERFLOW,
+    REAL_OVERFLOW, /* The magnitude is above the largest double. */
     REAL_UNDERFLOW /* The value is 0 or denormal; it is returned nevertheless. */
 };
 

@@ -6,7 +6,7 @@
 #include <hooke/base/text.h>
 
 /* Appends a text with everything that could control a terminal made visible: control characters
- * (C0, DEL, C1), invalid UTF-8, line and paragraph separators, bidirectional and zero-width
+ * (C0, DEL, C1), invalid UTF-8, line and paragraph separators, and bidirectional and zero-width
  * controls are written as \xNN or <U+NNNN>. With keep_layout, newlines and tabs are left unchanged.
  */
 void safe_text(struct buffer *output, struct text text, bool keep_layout);
@@ -15,8 +15,8 @@ void safe_text(struct buffer *output, struct text text, bool keep_layout);
 /* Writes a name for use in a message: made visible as by safe_text() and shortened with "..." if it
  * does not fit. Returns `output`. */
 const char *safe_name(struct text name, char output[SAFE_NAME_SIZE]);
-/* Returns the message of an errno in English, whatever the locale: "No space left on device". The
- * text must not be freed. */
+/* Returns the message of the errno `number` in English, whatever the locale: "No space left on
+ * device". The text must not be freed. */
 const char *system_message(int number);
 /* Returns true for a code point >= U+0080 that is invisible or changes how its neighbours are
  * shown. */

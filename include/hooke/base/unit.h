@@ -18,7 +18,7 @@ struct unit {
     enum unit_use {
         UNIT_READ,  /* Read from input, never chosen for display. */
         UNIT_SHOWN, /* Chosen for display if the value has a suitable size. */
-        UNIT_HOME   /* As UNIT_SHOWN, and for the value zero. */
+        UNIT_HOME   /* As UNIT_SHOWN, and chosen for the value zero. */
     } use;
 };
 

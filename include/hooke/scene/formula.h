@@ -29,10 +29,10 @@ struct suggestion;
  * other powers are those of pow().
  */
 
-/* The names that an expression may use, as functions of the owner of their values. A slot is the
- * owner's number of a name. */
+/* The names that an expression may use, as callbacks of the owner of their values. The owner gives
+ * each name a number, its slot. */
 struct expr_scope {
-    /* First argument of all functions. */
+    /* First argument of all callbacks. */
     const void *context;
     /* Finds the slot of a name. Returns false if the name is unknown. */
     bool (*find)(const void *context, struct text name, int *slot);
@@ -49,17 +49,17 @@ struct expr_scope {
     enum quantity (*quantity)(const void *context, int slot);
 };
 
-struct expr; /* a compiled expression, immutable */
+struct expr; /* A compiled expression; immutable, in memory of an arena. */
 struct dimension;
 
 /* Functions of expressions (sin, cos, …), for help and completion. */
 extern const struct catalog function_catalog;
 
 /* Compiles the longest expression at the start of `text` and sets *used to its length [byte]; it
- * ends at a unit, a comma, a colon, "+-", a comparison or the end. The result is the arena's.
- * `scope` may be NULL for constants only. Returns NULL, with `error` set, at an unknown name, a
- * malformed number, a missing operand or parenthesis, a sum of different dimensions, or if it is
- * too large. */
+ * ends at a unit, a comma, a colon, "+-", a comparison or the end. The result is in memory of the
+ * arena. `scope` may be NULL for constants only. Returns NULL, with `error` set, at an unknown
+ * name, a malformed number, a missing operand or parenthesis, a sum of different dimensions, or if
+ * it is too large. */
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error);
 /* Returns the dimension of an expression. A unit in it belongs to the number or parenthesis before
@@ -78,8 +78,9 @@ bool expr_compare(const struct expr *left, const struct expr **right, struct are
 /* Returns the value of the expression in `scope`, which must know the same names as the scope in
  * which it was compiled. Infinities and NaN are propagated. */
 double expr_value(const struct expr *expr, const struct expr_scope *scope);
-/* Returns true if the expression, in the form in which it is written, is a0 + a1 x1 + a2 x2 + … in
- * the names x with these `count` slots, where the coefficients a contain only other names. */
+/* Returns true if the expression, in the form in which it is written, is linear in the `count`
+ * names whose slots are slot [count]: a0 + a1 x1 + a2 x2 + …, where the coefficients a contain only
+ * other names. */
 bool expr_linear(const struct expr *expr, const int *slot, int count);
 
 /* ---- bounds ---- */

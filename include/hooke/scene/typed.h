@@ -81,13 +81,13 @@ struct typed_line {
  * `error`. */
 bool typed_name_fits(struct text name, struct error *error);
 
-struct typed_models; /* all typed models of a session, which owns them */
+struct typed_models; /* All typed models of a session, which owns them. */
 
 /* Creates an empty set of models. Returns NULL with `error` set if out of memory. */
 struct typed_models *typed_create(struct error *error);
 /* Frees all models; no scene may use them any more. NULL is allowed. */
 void typed_destroy(struct typed_models *models);
-#define SWEEP_FROM 32 /* Number of models below which typed_sweep() frees none. */
+#define SWEEP_FROM 32 /* typed_sweep() frees none of fewer models than this. */
 /* Frees the models for which used(context, model) returns false. Does nothing until there are
  * SWEEP_FROM more models than twice the number that its last call left. */
 void typed_sweep(struct typed_models *models,
@@ -131,8 +131,8 @@ bool typed_base_has(const struct model *model, struct text name);
 /* Returns the preset (name and settings) of a model all of whose equations are typed, else NULL. */
 const struct preset *typed_preset(const struct model *model);
 
-/* Replaces the model of a scene. Parameters that both models have keep their values, unless the new
- * model has another initial value for them. */
+/* Replaces the model of a scene. Parameters and absolute tolerances that both models have keep
+ * their values, except parameters whose default value differs between the two. */
 void scene_remodel(struct scene *scene, const struct model *model);
 
 /* Returns the term that is the complete right-hand side of a scene all of whose equations are

@@ -9,8 +9,8 @@
 /* ---- the journal of a run (journal.c) ---- */
 
 /* Requests that a run was given since its start, by which undo, saved sessions and `record` can
- * make it again, bit for bit. Slices and pauses do not change the rows; they appear only as the
- * step at which something else was requested. */
+ * make the run again, bit for bit. Slices and pauses do not change the rows, so that they are not
+ * requests; a pause appears only as the step at which the next request was given. */
 
 /* Kinds of requests. */
 enum request_kind {

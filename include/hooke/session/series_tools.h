@@ -18,7 +18,7 @@ struct unit;
 struct series_tools {
     /* ---- any series ---- */
 
-    /* Fills *overview with a description of the series before any fit. */
+    /* Fills *overview with what the series shows before any fit (struct overview). */
     void (*overview)(const struct series *series, struct arena *arena, struct overview *overview);
     /* Finds the times at which the series crosses `level` [SI], and stores the first `capacity` of
      * them. Returns their number, which may be larger. `overview` is that of the series. */
@@ -30,27 +30,30 @@ struct series_tools {
      * oscillate. */
     bool (*period)(const struct series *series, struct arena *arena, struct period *period,
                    struct error *error);
-    /* Measures the period of a run's position over all rows, in the cheapest way that is valid for
-     * it. Returns false if it has none. */
+    /* Measures the period [s] of the first variable of a run over all rows, by the fastest
+     * procedure that is valid for the run. Returns false if it has no period. */
     bool (*run_period)(const struct run *run, struct arena *arena, struct measured *period);
 
     /* ---- recordings ---- */
 
-    /* Appends a description of the recording. */
+    /* Appends a description of the recording for the user. */
     void (*describe)(const struct recording *recording, struct buffer *text);
     /* Sets *half to the uncertainties [series->n] that the file gives for these samples, or to NULL
      * if it gives none. Returns false if out of memory. */
     bool (*errors)(const struct recording *recording, const struct series *series,
                    struct arena *arena, const double **half);
-    /* Computes velocities, and energies if `energy`, from positions; `series` is a part of the
-     * recording, or NULL for its window. */
+    /* Computes velocities, and with `energy` energies, from positions; `series` is a part of the
+     * recording, or NULL for the window that the user has chosen. */
     bool (*motion)(const struct session *session, const struct recording *recording,
                    const struct series *series, bool energy, struct arena *arena,
                    struct data_motion *motion, struct error *error);
-    /* Returns the angular frequency [rad/s] of the oscillation, or NAN if it has none. */
+    /* Returns the angular frequency [rad/s] at which a recording oscillates, or NAN if it does not:
+     * that of its fit, else the one measured while the recording grows, else the highest peak in
+     * the spectrum of `series`, its series or a part of it. */
     double (*frequency)(const struct session *session, const struct recording *recording,
                         const struct series *series, struct arena *arena);
-    /* Computes the distance of a recording from a run. */
+    /* Fills *distance with the root mean square distance of a recording from a run (struct
+     * data_distance of <hooke/plot.h>). */
     void (*distance)(const struct run *run, struct recording *recording,
                      struct data_distance *distance);
     /* Returns true if the fit that the user has adopted into the scene is a fit of this recording.

@@ -68,8 +68,8 @@ struct chosen_column {
     int variable;
 };
 
-/* Returns true if both models have the same columns in the same order. This is so for a model whose
- * equations alone were changed. */
+/* Returns true if both models have the same columns in the same order, for example if only the
+ * equations of a typed model were changed. */
 bool models_alike(const struct model *a, const struct model *b);
 /* Finds the column of this name; names of variables and observed quantities take precedence over
  * observables. Returns false, with `error` set, if there is none. */
@@ -86,14 +86,15 @@ bool chosen_values(const struct run *run, const struct chosen_column *column, do
 
 /* ---- velocity and energy of a recording of positions ---- */
 
-/* Velocities, and perhaps energies, of a recording of positions. Arrays are the arena's. */
+/* Velocities, and perhaps energies, of a recording of positions. Arrays are in the arena that was
+ * passed to series_tools()->motion(). */
 struct data_motion {
     size_t n;
     const double *t, *y; /* [n] times [s] and positions [SI] as in recording_series(). */
     double *v;           /* [n] velocities [m/s], NAN where unknown. */
     double *energy;      /* [n] energies [J], NAN where unknown; NULL if they were not requested. */
-    double middle;       /* [m] equilibrium position */
-    double omega;        /* [rad/s] of the oscillation, NAN if there is none */
+    double middle;       /* Equilibrium position [m]. */
+    double omega;        /* Angular frequency [rad/s] of the oscillation, NAN if there is none. */
     enum quantity quantity; /* Quantity of v. */
     const struct cancel *cancel;
     /* Standard deviation [1/s] of v if the positions have independent noise of standard deviation
