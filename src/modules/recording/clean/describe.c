@@ -33,7 +33,8 @@ static const struct finding_row rows[] = {
 
 const struct catalog finding_catalog = CATALOG("finding", rows);
 
-/* Names the number of masked samples in all, then by kind of fault, and the clipped ones apart. */
+/* Appends the number of masked samples of a cleaned recording in all, then by kind of fault, and
+ * that of clipped ones. Appends nothing if it was not cleaned. */
 void recording_describe_masked(const struct recording *recording, struct buffer *text)
 {
     const struct findings *f = recording->findings;

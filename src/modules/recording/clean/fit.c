@@ -45,7 +45,8 @@ static four *fours(double *values, size_t offset)
     return (four *)(void *)(values + offset);
 }
 
-/* Computes the weighted products of the terms with each other (a) and with the values (b). */
+/* Computes the weighted products of the terms with each other (lower triangle of a) and with the
+ * values (b). Columns are filled with zeros up to a multiple of four. */
 CLONES static void normal_equations(const struct clean_samples *s, double a[TERMS][TERMS],
                                     double b[TERMS])
 {
@@ -93,8 +94,8 @@ static double clean_fit_value(const double parameter[TERMS], const double term[T
     return sum;
 }
 
-/* Returns the median magnitude of the residuals. It is searched near the guess first, because the
- * scale changes little from fit to fit. */
+/* Returns the median magnitude of the residuals. It is searched near the guess, that of the
+ * previous fit, first, because the scale changes little from fit to fit. */
 static double median_size(const struct clean_samples *s, double guess)
 {
     const double low = 0.8 * guess, high = 1.25 * guess;
@@ -136,7 +137,8 @@ static double largest_change(const double a[TERMS], const double b[TERMS])
     return change;
 }
 
-/* Sets the weights of the samples. Returns the number of samples outside of the bisquare's
+/* Sets the weights of the samples by Huber's function if `huber`, otherwise by Tukey's bisquare,
+ * for residuals of the scale `width`. Returns the number of samples outside of the bisquare's
  * range. */
 static size_t set_weights(const struct clean_samples *s, bool huber, double width)
 {
@@ -153,8 +155,9 @@ static size_t set_weights(const struct clean_samples *s, bool huber, double widt
     return outside;
 }
 
-/* Iterates weights and fits from the given weights on; these are bisquare weights if first_round is
- * above ROUNDS_HUBER. `min` is the smallest scale. Returns false if not determined or cancelled. */
+/* Improves parameter (in and out) and *scale by alternating weights and weighted fits: Huber's
+ * weights up to round ROUNDS_HUBER, then bisquare. first_round tells which weights are set already.
+ * `min` is the smallest scale. Returns false if not determined or cancelled. */
 static bool robust_fit(const struct clean_samples *s, int first_round, double min,
                        double parameter[TERMS], double *scale)
 {
@@ -177,9 +180,10 @@ static bool robust_fit(const struct clean_samples *s, int first_round, double mi
     return true;
 }
 
-/* Fits from the extrapolated parameters of the previous fit, if there is one and the samples are
- * about as near to it. If some are far off, Huber's weights come first, which lead to the same
- * minimum from everywhere. Returns false if not fitted. */
+/* Fits the samples into *local, from the parameters of the previous fit extrapolated by that many
+ * periods, if there is one and the samples are about as near to it. If some are far off, Huber's
+ * weights come first, which lead to the same minimum from everywhere. `min` is the smallest scale.
+ * Returns false if not fitted. */
 static bool fit_onward(const struct clean_samples *s, const struct local *previous, double periods,
                        double min, struct local *local)
 {
@@ -212,7 +216,8 @@ static void terms_at(const struct cleaning *c, size_t row, double middle, double
     memcpy(term, all, sizeof all);
 }
 
-/* Fills c->turn; equal steps by rotation of the previous phase. Returns false if out of memory. */
+/* Fills c->turn with cosine and sine of the phase of each row; at equal steps by rotation of the
+ * previous phase, recomputed every TURNED_MAX rows. Returns false if out of memory. */
 static bool fill_turns(struct cleaning *c)
 {
     enum { TURNED_MAX = 64 };
@@ -247,8 +252,8 @@ static void put_residuals(struct cleaning *c, const struct local *local)
         c->residual[i] = local->fitted && !isnan(c->y[i]) ? c->y[i] - c->model[i] : 0;
 }
 
-/* Fits one period by the samples of two periods around it. A fit with the same samples as before is
- * kept. */
+/* Fits one period by the samples of two periods around it and sets model and residuals of its rows.
+ * A fit to the same samples as in the previous pass is not repeated. */
 static void fit_local(struct cleaning *c, struct local *local, const struct clean_samples *work)
 {
     const double first = c->t[0], last = c->t[c->n - 1];

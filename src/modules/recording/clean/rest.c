@@ -65,9 +65,10 @@ static double amplitude_of(const struct motion_rows *x, size_t begin, size_t end
            det;
 }
 
-/* Returns true if the amplitude in the rest is smaller than the decay before explains. The
- * logarithms of the amplitudes of whole stretches, from the largest on, lie on a straight line for
- * a damped sine; the line is weighted by their certainty and extrapolated to the rest. */
+/* Returns true if the amplitude from row `rest` on is smaller than the decay before explains. The
+ * logarithms of the amplitudes of intervals of `stretch` [s], from the largest on, lie on a
+ * straight line for a damped sine; the line is weighted by their certainty and extrapolated.
+ * `noise` is the standard deviation of a sample. */
 static bool motion_stops(const struct motion_rows *x, size_t rest, double period, double stretch,
                          double noise)
 {
@@ -110,7 +111,9 @@ static double stretch_of(const struct motion_rows *x, double period)
     return period * ceil(fmax(min, period < SAMPLES_MIN * step ? pattern : 0) / period - 1e-9);
 }
 
-/* Goes backward from the end by half stretches as long as scatter and mean are those of the end. */
+/* Returns the row from which on the body is at rest, or x->n if it does not come to rest or never
+ * moved. Goes backward from the end by half stretches as long as scatter and mean are those of the
+ * end. */
 size_t motion_quiet(const struct motion_rows *x, double period)
 {
     if (!(period > 0) || x->n < 2)

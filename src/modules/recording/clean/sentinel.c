@@ -87,7 +87,8 @@ static size_t leave_out_candidate(struct sentinel_search *s)
     return different;
 }
 
-/* Returns true if the candidate occurs in several short runs and not too often; missing values are
+/* Returns true if the candidate value occurs often enough to be a sensor's mark for a missing
+ * signal: in several short runs, and in a limited share of all values. Missing values are
  * ignored. */
 static bool is_scattered(const struct sentinel_search *s)
 {
@@ -283,7 +284,8 @@ static bool find_sentinel(struct sentinel_search *s)
     return false;
 }
 
-/* Removes up to three sentinels, one after the other. */
+/* Removes up to KINDS_MAX sentinels (values that a sensor reports without a signal), one after the
+ * other, by making them missing, with a warning each. Returns false if out of memory. */
 bool recording_leave_out_sentinels(struct recording *recording)
 {
     const struct column *column = &recording->column[recording->value];

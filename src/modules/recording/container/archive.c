@@ -114,7 +114,9 @@ static bool refuse_bomb(const struct unpacking *u, size_t more, struct error *er
     return error_hint(error, "unpack it yourself if you trust it");
 }
 
-/* Unpacks the current entry into bytes, piece by piece. Returns false with the error. */
+/* Unpacks the current entry into bytes, piece by piece. Returns false with the error if it is
+ * damaged, too large or too strongly compressed (a bomb), if no table begins in it, or if
+ * cancelled. */
 static bool read_entry(struct unpacking *u, struct buffer *bytes, struct error *error)
 {
     char piece[PIECE_BYTES];
@@ -192,6 +194,9 @@ bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const c
     return done;
 }
 #else
+/* Opens the archive in memory, gzip or zip by its first bytes, and reads the entries for which
+ * wanted() returns true (all if NULL) into *content. `shown` is the name for messages; `intake`,
+ * unless NULL, examines the bytes as they are unpacked. Returns false with the error. */
 bool archive_unpack(struct text bytes, const char *shown, bool (*wanted)(const char *path),
                     struct intake *intake, struct archive_content *content, struct error *error)
 {

@@ -10,7 +10,8 @@
 #include <string.h>
 #include <strings.h>
 
-/* Allocates the list on first use, and makes the name safe to show. */
+/* Adds an empty part of this name, made safe to show, and returns it. Allocates the list on first
+ * use. Returns NULL if out of memory or if there are PARTS_MAX parts. */
 struct container_part *contents_add(struct contents *contents, struct text name)
 {
     if (!contents->part)
@@ -57,7 +58,8 @@ static void civil_date(int64_t day, int64_t *year, int *month, int *date)
     *year = y + era * 400 + (*month <= 2);
 }
 
-/* Rounds to microseconds and writes date and time. */
+/* Appends a time of `days` since 1970, rounded to microseconds, as 12:34:56.123456, preceded by the
+ * date if with_date. */
 void put_stamp(struct buffer *text, double days, bool with_date)
 {
     double day = floor(days), micro = nearbyint((days - day) * 86400e6);
@@ -121,8 +123,9 @@ static size_t narrow_numbers(struct text bytes, const struct cancel *cancel)
     return bytes.len;
 }
 
-/* Adds a part with this text, converted to UTF-8. It takes over the memory of `bytes` unless it
- * converts. Returns false with the error. */
+/* Adds a part with this text, converted to UTF-8. The part takes over the memory of `bytes` if no
+ * conversion is needed. Returns false with the error; parts beyond PARTS_MAX are silently left
+ * out. */
 static bool add_text(struct contents *contents, struct text name, struct buffer *bytes,
                      struct error *error)
 {
@@ -234,7 +237,8 @@ static bool from_zip(struct text bytes, const char *shown, struct contents *cont
     return done;
 }
 
-/* Adds a table that `export` wrote as JSON, converted to CSV. */
+/* Adds a table that `export` wrote as JSON, converted to CSV, as a part. Returns false with the
+ * error. */
 static bool from_json(struct text bytes, struct contents *contents, struct error *error)
 {
     struct arena arena = {0};
@@ -266,7 +270,8 @@ static bool is_archive(struct text bytes)
     return packing == PACKING_GZIP || packing == PACKING_ZIP || packing == PACKING_XLS;
 }
 
-/* Unpacks a gzip file and adds its content as parts. Returns false with the error. */
+/* Unpacks a gzip file and adds its content as parts; archives within it are refused. Returns false
+ * with the error. */
 static bool from_gzip(const char *path, const struct intake *intake, struct text bytes,
                       struct contents *contents, struct error *error)
 {
@@ -322,7 +327,8 @@ static bool unpack(const char *path, struct intake *intake, struct buffer *bytes
     return add_text(contents, TEXT(""), bytes, error);
 }
 
-/* Reads the file while examining it, then unpacks it. */
+/* Reads the file while examining it, then unpacks it into parts in *contents. `shown` is the name
+ * for messages. Returns false with the error, with nothing to free. */
 bool contents_read(const char *path, const char *shown, const struct load_options *options,
                    struct contents *contents, struct error *error)
 {

@@ -30,7 +30,8 @@ enum {
     HEAD = 512
 };
 
-/* Compares the first bytes with signatures, then looks for XML and JSON. */
+/* Returns how the content of a file is packed: compares its first bytes with signatures, then looks
+ * for XML and JSON. */
 enum packing packing_of(struct text bytes)
 {
     const struct text head = {bytes.data, bytes.len < HEAD ? bytes.len : HEAD};
@@ -142,7 +143,9 @@ static bool refuse_endless_line(struct intake *intake, struct text text, size_t 
     return error_hint(error, "export the data as CSV text");
 }
 
-/* Refuses what cannot be a table as early as possible, by the kind of the file. */
+/* Examines the content read so far, of which the bytes from `offset` on are new and `size` is the
+ * file's size or 0, and refuses as early as possible what cannot be a table. `context` is the
+ * struct intake. Returns false with the error. */
 bool intake_look(void *context, struct text content, size_t offset, uintmax_t size,
                  struct error *error)
 {
@@ -169,7 +172,9 @@ bool intake_look(void *context, struct text content, size_t offset, uintmax_t si
            refuse_endless_line(intake, content, offset, error);
 }
 
-/* Reads the file, and cuts off an incomplete last line. */
+/* Reads the file at path (or standard input) into bytes while examining it. If the file grew
+ * meanwhile, its incomplete last line is cut off. Sets intake->sum, a checksum, and intake->grew.
+ * Returns false with the error. */
 bool intake_read(const char *path, struct intake *intake, struct buffer *bytes, struct error *error)
 {
     const bool input = strcmp(path, STANDARD_INPUT) == 0;

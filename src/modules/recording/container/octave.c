@@ -178,7 +178,9 @@ static bool refuse_lengths(const struct octave_file *file, const char *shown, st
     return error_hint(error, "save one matrix: M = [t(:) y(:)]; save -text FILE M");
 }
 
-/* Makes one table of the vectors of each length, from the longest down. */
+/* Makes a part of the vectors of each length in a text file of Octave, from the longest down. Adds
+ * none if the file has a matrix instead. Returns false with the error if vectors of different
+ * lengths form no table. */
 bool octave_tables(struct text text, const char *shown, struct contents *contents,
                    struct error *error)
 {

@@ -93,7 +93,8 @@ static bool ignore_end(void *context, const char *name)
 
 /* ---- which sheets there are ---- */
 
-/* Handles an element of the document xl/workbook, collecting the sheets and the epoch of dates. */
+/* Handles an element of xl/workbook.xml: collects the names of sheets and the epoch of dates.
+ * `context` is the struct workbook. Returns false with book->error if out of memory. */
 static bool workbook_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;
@@ -113,7 +114,8 @@ static bool workbook_start(void *context, const char *name, const char **attribu
            error_memory(book->error);
 }
 
-/* Handles an element of the relations: sets the path of each sheet. */
+/* Handles an element of the relations: sets the path of each sheet, whose relation has its Id.
+ * Always returns true; a sheet without a path is left out later. */
 static bool relation_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;
@@ -133,8 +135,8 @@ static bool relation_start(void *context, const char *name, const char **attribu
 
 /* ---- formats: which numbers are dates ---- */
 
-/* Returns the meaning of a number format by the letters of dates and times outside of quotes,
- * brackets and escapes. */
+/* Returns whether a number format shows a date, a time or a number, by the letters of dates and
+ * times outside of quotes, brackets and escapes. */
 static enum cell_style style_of_code(const char *code)
 {
     bool date = false, time = false, quoted = false, bracket = false;
@@ -238,8 +240,8 @@ static int column_of(const char *reference)
     return column - 1;
 }
 
-/* Begins a cell: sets its column, type and style. Returns false with the error if there are too
- * many columns or cells. */
+/* Begins a cell: sets its column, type and style from its attributes. Returns false with the error
+ * if there are too many columns or cells. */
 static bool cell_start(struct workbook *book, const char **attributes)
 {
     const char *reference = xml_attribute(attributes, "r"), *type = xml_attribute(attributes, "t"),
@@ -274,8 +276,8 @@ static bool sheet_start(void *context, const char *name, const char **attributes
     return true;
 }
 
-/* Appends the value of the current cell: a shared string, a stamp, or its text; errors stay
- * empty. */
+/* Appends the value of the current cell: a shared string (type "s"), a time stamp, or its text;
+ * errors (type "e") remain empty. */
 static void put_value(struct workbook *book)
 {
     const struct text value = text_trim(buffer_text(&book->text));
@@ -305,7 +307,8 @@ static bool output_is_bounded(struct workbook *book)
     return error_hint(book->error, "save the sheet with the data as CSV");
 }
 
-/* Handles the end of an element of a sheet: a cell is written, a row ended. */
+/* Handles the end of an element of a sheet: writes a cell, preceded by tabs for skipped columns, or
+ * ends a row. Returns false with the error if out of memory or if the output is too large. */
 static bool sheet_end(void *context, const char *name)
 {
     struct workbook *book = context;
@@ -322,7 +325,8 @@ static bool sheet_end(void *context, const char *name)
     return !book->output->failed || error_memory(book->error);
 }
 
-/* Adds sheet i as a part, unless it has none in the archive or was read under another name. */
+/* Adds sheet i as a part, unless the archive lacks it or it was read under another name. Returns
+ * false with the error. */
 static bool read_sheet(struct workbook *book, int i, struct contents *contents)
 {
     const struct xml_reader reader = {book, book->content->cancel, sheet_start, sheet_end,
@@ -355,7 +359,8 @@ static bool read_document(struct workbook *book, const char *path,
     return !document || xml_read(buffer_text(document), book->shown, &reader, book->error);
 }
 
-/* Parses the documents of the workbook, then each sheet. */
+/* Parses the documents of the .xlsx workbook in *content, then adds each sheet as a part to
+ * *contents. `shown` is the name for messages. Returns false with the error. */
 bool workbook_sheets(const struct archive_content *content, const char *shown,
                      struct contents *contents, struct error *error)
 {

@@ -135,6 +135,8 @@ bool workbook_old_sheets(const char *path, const char *shown, struct contents *c
     return done;
 }
 #else
+/* Opens the .xls file at path by FreeXL and adds each sheet as a part. `shown` is the name for
+ * messages. Returns false with the error. */
 bool workbook_old_sheets(const char *path, const char *shown, struct contents *contents,
                          struct error *error)
 {

@@ -174,6 +174,8 @@ bool xml_read(struct text document, const char *shown, const struct xml_reader *
     return done;
 }
 #else
+/* Loads expat and parses the document with the reader's handlers, which can stop it with an error
+ * of their own. `shown` is the name for messages. Returns false with the error. */
 bool xml_read(struct text document, const char *shown, const struct xml_reader *reader,
               struct error *error)
 {

@@ -66,7 +66,8 @@ static struct xml_column *newest_column(struct tables *tables)
     return tables->columns > 0 ? &tables->column[tables->columns - 1] : NULL;
 }
 
-/* Returns the buffer for the text of an element, or NULL if it is not used. */
+/* Returns the buffer for the text within an element of that name, or NULL if the element is not
+ * used. Names differ between CASSY Lab and Logger Pro. */
 static struct buffer *target_of(struct tables *tables, const char *name)
 {
     struct xml_column *column = newest_column(tables);
@@ -92,7 +93,9 @@ static bool refuse_strange(const struct tables *tables)
     return error_hint(tables->error, "open it in the program that made it and export it as CSV");
 }
 
-/* Handles the start of an element: begins a set or a column, and directs its text. */
+/* Handles the start of an element: begins a data set or a column, and directs the text that follows
+ * to its buffer. `context` is the struct tables. Returns false with the error for documents of
+ * other programs. */
 static bool element_start(void *context, const char *name, const char **attributes)
 {
     struct tables *tables = context;
@@ -146,7 +149,8 @@ static bool write_rows(struct tables *tables, struct buffer *output)
     return !output->failed || error_memory(tables->error);
 }
 
-/* Adds the current data set as a part, with a line of names and units, unless it is empty. */
+/* Adds the current data set as a part, with a line of names and units, unless it is empty. Returns
+ * false with the error. */
 static bool finish_set(struct tables *tables)
 {
     char name[32];
@@ -194,7 +198,8 @@ static bool element_text(void *context, struct text text)
     return !tables->target || !tables->target->failed || error_memory(tables->error);
 }
 
-/* Parses the document, and refuses one of another program. */
+/* Parses an XML document of CASSY Lab or Logger Pro and adds its data sets as parts; refuses
+ * documents of other programs. Returns false with the error. */
 bool xml_tables(struct text document, const char *shown, struct contents *contents,
                 struct error *error)
 {

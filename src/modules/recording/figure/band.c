@@ -46,7 +46,8 @@ static bool is_one_motion(const struct run *run)
     return run_never_changed(run);
 }
 
-/* Compares the run's scene with the adopted one, parameter by parameter. */
+/* Returns true if the run has an uncertainty band: its scene has the values of the adopted fit, it
+ * was not changed and goes forwards. Otherwise returns false with the error at `where`. */
 bool band_of_run(const struct session *session, const struct run *run, struct text where,
                  struct error *error)
 {
@@ -67,7 +68,8 @@ bool band_of_run(const struct session *session, const struct run *run, struct te
            refuse_band(where, error, "the adopted fit states no uncertainties");
 }
 
-/* Multiplies the standard deviation of the motion by that of a 95 % interval. */
+/* Sets half [n] to the half width of the 95 % band of a variable of the run at the times t [n].
+ * Returns false with the error if there are too many times or if it cannot be computed. */
 bool band_half(const struct session *session, const struct run *run, int variable, const double *t,
                size_t n, struct arena *arena, double *half, struct error *error)
 {
@@ -161,7 +163,8 @@ static bool band_is_shown(const struct session *session)
     return setting_of_module(&session->setup.settings, "band") > 0;
 }
 
-/* Interpolates the stored band at the points of the curves. */
+/* Adds the stored band, interpolated at their points, to the curves if it belongs to the first run
+ * of the figure. Returns false if out of memory. */
 bool drawing_stored_band(struct drawing *d)
 {
     const struct fit_band *band = &fits_of(d->session)->band;
@@ -206,7 +209,8 @@ static size_t band_points(const struct run *run, double span)
     return (size_t)fmin(fmax(n, KEPT_MIN), KEPT_MAX) + 1;
 }
 
-/* Computes the stored band of a run for all variables. Returns false if that fails. */
+/* Computes the stored band of a run for all variables at equally spaced times. Returns false if
+ * that fails; band->half may then be allocated. */
 static bool find_band(struct session *session, const struct run *run, struct fit_band *band,
                       struct arena *arena)
 {
@@ -262,7 +266,8 @@ void session_store_band(struct session *session)
 
 /* ---- plan ---- */
 
-/* Counts the runs or the equations that the band takes. */
+/* Appends for `plan` which runs or equations a band of the scene takes, unless the adopted fit does
+ * not give it one. */
 void band_plan(const struct session *session, struct buffer *text)
 {
     struct system system;

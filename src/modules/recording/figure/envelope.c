@@ -10,8 +10,9 @@
 #define ENVELOPE_MIN 3
 #define ENVELOPE_SAMPLES 8
 
-/* Windows have two periods, or more if there are many. If a gap leaves one empty, fewer and longer
- * windows are tried. */
+/* Makes a curve of amplitudes, with error bars, read in windows of two periods, or more if there
+ * are many. If a gap leaves one empty, fewer and longer windows are tried. Returns false with the
+ * error. */
 bool drawing_data_envelope(struct drawing *d, const struct series *series, struct curve *curve)
 {
     struct overview overview;

@@ -10,8 +10,8 @@
 /* Number of windows; periods of a window; smallest number of samples; points of the line. */
 enum { WINDOWS_MAX = 24, WINDOWS_MIN = 3, PERIODS = 8, SAMPLES_MIN = 16, THEORY_POINTS = 100 };
 
-/* Reads windows of some periods each into a curve of points; fewer windows if one cannot be read.
- * Returns false with the error. */
+/* Reads period against amplitude in windows of some periods each into a curve of points with error
+ * bars; fewer windows if one cannot be read. Returns false with the error. */
 static bool read_windows(struct drawing *d, const struct series *series, struct curve *curve)
 {
     struct period_reading reading[WINDOWS_MAX];
@@ -62,7 +62,8 @@ static bool add_series(struct drawing *d, struct series series, const char *labe
     return true;
 }
 
-/* Adds the closed form of the scene, if it has one, over the range of the amplitudes. */
+/* Adds the scene's period against amplitude in closed form, if it has one, over the range of the
+ * amplitudes. Returns false with the error if out of memory. */
 static bool add_theory(struct drawing *d, const struct scene *scene)
 {
     double min = HUGE_VAL, max = 0;
@@ -85,7 +86,8 @@ static bool add_theory(struct drawing *d, const struct scene *scene)
     return true;
 }
 
-/* Adds the windows of each run and of the recording, and the theory of the first run. */
+/* Makes the figure of period against amplitude: windows of each run and of the recording, and the
+ * theory of the first run. Returns false with the error. */
 bool period_figure(struct drawing *d, struct figure *figure)
 {
     const struct figure_request *request = d->request;

@@ -12,7 +12,8 @@ bool residual_known(const struct session *session)
                                 &plot_catalog, catalog_find(&plot_catalog, TEXT("residual")))) >= 0;
 }
 
-/* Draws the recording, then subtracts the fit or the run from its values. */
+/* Draws the recording, then subtracts the fit of it or, without one, the run from its values.
+ * Returns false with the error if there is neither. */
 bool drawing_residual(struct drawing *d, const struct recording *recording)
 {
     const bool fitted = recording_is_fitted(d->session, recording);

@@ -22,8 +22,9 @@ static bool data_spectrum(const struct series *series, struct arena *arena, stru
     return true;
 }
 
-/* Samples the position evenly between two times, no finer than a spectrum of some harmonics needs;
- * a long run is represented by its newest part. Returns false with the error. */
+/* Samples a run's position evenly between two times [s], no finer than a spectrum of some harmonics
+ * of `period` (NAN if unknown) needs; a long run is represented by its newest part. Returns false
+ * with the error. */
 static bool run_even_series(const struct run *run, double t_begin, double t_end, double period,
                             struct arena *arena, struct series *series, struct error *error)
 {
@@ -45,7 +46,8 @@ static bool run_even_series(const struct run *run, double t_begin, double t_end,
     return true;
 }
 
-/* Keeps the peaks for the reply and the highest frequency of a strongest line for the axis. */
+/* Makes the curve of a series' spectrum. Stores its peaks for the reply, and in d->line the
+ * strongest line of the highest frequency for the axis. Returns false with the error. */
 bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve)
 {
     curve->points = false;
@@ -69,7 +71,8 @@ bool drawing_run_spectrum(struct drawing *d, const struct run *run, struct curve
            drawing_data_spectrum(d, &series, curve);
 }
 
-/* The axis ends at a multiple of the frequency of the line, at most at half the sampling rate. */
+/* Returns the frequency axis, which ends at SPECTRUM_AXIS_TIMES the frequency of the line, at most
+ * at half the sampling rate. */
 struct axis spectrum_axis(const struct drawing *d)
 {
     const struct curve *first = &d->curve[0];

@@ -27,7 +27,8 @@ struct closed_run {
     double size[LIMIT_VARIABLES]; /* half ranges of the variables in it */
 };
 
-/* Moves y from t by `span` [s], by the classical Runge-Kutta method. */
+/* Moves the state y from time t by `span` [s], in SUBSTEPS steps of the classical Runge-Kutta
+ * method. */
 static void follow_closed_motion(const struct system *system, double t, double span, double *y)
 {
     static const double node[4] = {0, 0.5, 0.5, 1}, weight[4] = {1. / 6, 1. / 3, 1. / 3, 1. / 6};
@@ -118,8 +119,9 @@ static bool first_repeats(const struct closed_run *c, double span)
     return repeats;
 }
 
-/* Reads one period from the returns to states all over the window. Returns false if they are too
- * few or do not agree. */
+/* Reads one period from the returns to BASES states all over the window. Returns false if they are
+ * too few, do not agree, or are no multiple of the drive's period. The period is divided by up to
+ * PARTS_MAX if the first variable repeats faster. */
 static bool closed_period(const struct closed_run *c, struct period *period)
 {
     const double t_begin = trace_time(c->trace, c->begin), t_end = trace_time(c->trace, c->end - 1);
@@ -164,7 +166,8 @@ static bool is_exact(const struct period *period)
     return period->period.uncertainty <= uncertainty_max * period->period.value;
 }
 
-/* Measures the series, then searches returns of the state if that result is uncertain. */
+/* Measures the period of a series of a run, and if that result is uncertain searches returns of the
+ * run's state (run is NULL without one). Returns false with the error. */
 bool run_series_period(const struct run *run, const struct series *s, struct arena *arena,
                        struct period *period, struct error *error)
 {
@@ -199,7 +202,8 @@ bool run_series_period(const struct run *run, const struct series *s, struct are
     return true;
 }
 
-/* Tries the crossings of a known centre first, which is fast. */
+/* Measures the period of a run's first variable. Tries the crossings of a known centre first, which
+ * is fast. Returns false if there is none. */
 bool find_run_period(const struct run *run, struct arena *arena, struct measured *period)
 {
     struct series series;

@@ -33,9 +33,10 @@ double motion_frequency(const struct session *session, const struct recording *r
 
 /* ---- velocities ---- */
 
-/* Takes the velocities of the sensor from the recording that was joined, interpolated between its
- * samples by straight lines. MotionSensor.vi writes backward differences, which belong to half a
- * step earlier. Returns false with the error. */
+/* Sets the velocities of *motion to those of the recording that was joined, interpolated between
+ * its samples by straight lines. MotionSensor.vi writes backward differences, which belong to half
+ * a step earlier. Returns false with the error if that recording is missing or has no times in
+ * common. */
 static bool sensor_velocity(const struct session *session, const struct recording *recording,
                             struct arena *arena, struct data_motion *motion, struct error *error)
 {
@@ -75,7 +76,8 @@ static bool sensor_velocity(const struct session *session, const struct recordin
     return true;
 }
 
-/* Computes the velocities from the positions. Returns false with the error. */
+/* Sets velocities, gain of their noise and loss of amplitude in *motion by parabolas through some
+ * samples of the positions. Returns false with the error. */
 static bool computed_velocity(const struct series *series, struct arena *arena,
                               struct data_motion *motion, struct error *error)
 {
@@ -127,7 +129,8 @@ static bool find_good_rows(const struct session *session, const struct recording
     return *use;
 }
 
-/* Computes the velocities from the rows in use; those of the others are NAN. */
+/* Computes the velocities from the rows with use[row] set; those of the others are NAN. Returns
+ * false with the error. */
 static bool good_velocity(const struct series *all, const unsigned char *use, struct arena *arena,
                           struct data_motion *motion, struct error *error)
 {
@@ -154,9 +157,10 @@ static bool good_velocity(const struct series *all, const unsigned char *use, st
     return true;
 }
 
-/* Takes velocities from the sensor or from the positions, and energies from mass and spring
- * constant. The middle of the motion is the fitted offset, that of a growing recording, or the
- * mean. */
+/* Computes in *motion the velocities of a recording, by its sensor or from its positions, and if
+ * `energy` is set its energies by mass and spring constant. `series` holds its samples, NULL means
+ * all in its window. The middle of the motion is the fitted offset, that of a growing recording, or
+ * the mean. Returns false with the error. */
 bool data_motion(const struct session *session, const struct recording *recording,
                  const struct series *series, bool energy, struct arena *arena,
                  struct data_motion *motion, struct error *error)

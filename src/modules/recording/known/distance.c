@@ -38,7 +38,8 @@ struct overlap_sums {
     double apart;               /* sum of (x - y)^2 */
 };
 
-/* Computes the sums in one pass (Welford 1962); n is 0 if cancelled. */
+/* Computes in *s means, products and squared distance of the data and of the run's derivative of
+ * that order, over the times that both have, in one pass (Welford 1962); n is 0 if cancelled. */
 static void overlap_sum(const struct run *run, const struct series *data, int derivative,
                         struct overlap_sums *s)
 {
@@ -126,7 +127,9 @@ static double main_offset(const struct overlap_sums *s)
                : NAN;
 }
 
-/* Compares the good samples with the run; recordings of another quantity get a fitted scale. */
+/* Computes in *distance the rms distance of the recording's good samples from the run; recordings
+ * of another quantity get a fitted scale. *distance remains unchanged if they cannot be
+ * compared. */
 void find_distance(const struct run *run, struct recording *recording,
                    struct data_distance *distance)
 {

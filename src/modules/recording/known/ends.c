@@ -27,7 +27,9 @@ struct stretch {
     bool is_fitted;
 };
 
-/* Fits offset, cosine and sine to the rows from time `begin` on for `width` [s]. */
+/* Fits offset, cosine and sine of the angular frequency omega to the rows from time `begin` on for
+ * `width` [s], thinned to STRETCH_ROWS. The result's is_fitted is false if there are too few
+ * rows. */
 static struct stretch fit_stretch(const struct series *s, double begin, double width, double omega)
 {
     const size_t first = first_from(s->t, s->n, begin), end = first_from(s->t, s->n, begin + width),
@@ -93,7 +95,9 @@ static bool begins_as_it_continues(const struct stretch *stretch[SIDE], size_t n
     return true;
 }
 
-/* Fits stretches at both ends and in the middle, and compares amplitudes and residuals. */
+/* Returns true if both ends of a series belong to the same free oscillation as its middle:
+ * amplitudes and residuals of fitted stretches there are as expected. Returns false also for short
+ * series. */
 bool series_ends_as_inside(const struct series *s, double period)
 {
     enum { STRETCHES_MIN = 4 + 2 * END_STRETCHES };

@@ -10,8 +10,8 @@
 /* Columns that a recording can be exported with. */
 enum recorded { RECORDED_T, RECORDED_Y, RECORDED_V, RECORDED_ENERGY, RECORDED_COUNT };
 
-/* Marks the columns to write: t, and those asked for or else y. Returns false with the error for an
- * unknown name. */
+/* Sets wanted[] for the columns to write: t, and the named ones or else y. Returns false with the
+ * error for an unknown name. */
 static bool list_recorded(const struct argument_value *column, bool wanted[RECORDED_COUNT],
                           struct error *error)
 {
@@ -87,7 +87,8 @@ static const double *take_rows(const double *value, const size_t *row, size_t ro
     return taken;
 }
 
-/* Writes the keys that describe the recording, then the chosen columns and rows. */
+/* Makes the table of the current recording: keys that describe it, then the chosen columns and
+ * rows. Returns false with the error. */
 bool export_recorded(const struct session *session, const struct argument_value *column,
                      const struct argument_value *every, struct export *export, struct error *error)
 {

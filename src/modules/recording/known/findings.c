@@ -59,7 +59,8 @@ static size_t count_swings(const struct series *series)
     return swings;
 }
 
-/* Thins a long series to at least `for_swing` samples per swing. Returns false if out of memory. */
+/* Thins a long series to at least for_swing samples per swing, and to no fewer than ALL_JUDGED; the
+ * samples are copied. Returns false if out of memory. */
 static bool findings_series_thin(struct series *series, size_t for_swing, struct arena *arena)
 {
     if (series->n <= ALL_JUDGED)
@@ -98,7 +99,8 @@ static double find_period(const struct series *series, struct arena *arena,
     return overview->period;
 }
 
-/* Measures the period unless it is given, then inspects the whole recording. */
+/* Inspects the whole recording for faults, in recording->findings, unless that is done. The period
+ * [s] is measured if it is NAN. Returns false with the error if out of memory or cancelled. */
 bool find_faults(struct recording *recording, double period, struct arena *arena,
                  struct error *error)
 {
@@ -143,8 +145,8 @@ static const struct findings *run_findings(const struct series *series, double p
     return find_faults(as, period, arena, &ignored) ? as->findings : NULL;
 }
 
-/* Judges a recording, or a run, that 'data clean' has not judged, from thinned samples. Returns
- * NULL if these are too many or if out of memory. */
+/* Judges a recording, or a run, that 'data clean' has not judged, from thinned samples, of which it
+ * makes a recording in *as and *column. Returns NULL if these are too many or if out of memory. */
 static const struct findings *thinned_findings(const struct subject *subject, double period,
                                                struct recording *as, struct column *column,
                                                struct arena *arena)
@@ -164,7 +166,8 @@ static const struct findings *thinned_findings(const struct subject *subject, do
                : NULL;
 }
 
-/* Writes which end of the window is not part of the free oscillation, and a better window. */
+/* Writes to advice->text which end of the window (start, end or both) is not part of the free
+ * oscillation, and a better window. */
 static void put_advice(const struct findings *f, const struct series *series, bool start, bool end,
                        struct window_advice *advice)
 {
@@ -180,7 +183,9 @@ static void put_advice(const struct findings *f, const struct series *series, bo
                  start && end ? "start and the end of the window are" : side, t_begin, t_end);
 }
 
-/* Judges the whole recording or a thinned one, and compares the subject's ends with the result. */
+/* Sets advice->text to a warning if an end of the subject's window is not a free oscillation,
+ * otherwise to "". Judges the whole recording or a thinned one and compares the ends with the
+ * result. `law` tells whether a rest at the end is part of the fitted law. */
 void advise_window(const struct subject *subject, enum window_law law, double period,
                    struct arena *arena, struct window_advice *advice)
 {
@@ -327,7 +332,7 @@ static void reply_record(const struct recording *recording, struct reply *reply)
     reply_end(reply);
 }
 
-/* Appends the table and what cleaning would do or did. */
+/* Replies with the table of findings and what cleaning would do or did. */
 void reply_findings(const struct recording *recording, struct arena *arena, struct reply *reply)
 {
     const struct findings *f = recording->findings;

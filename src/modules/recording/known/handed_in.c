@@ -23,10 +23,10 @@ static struct text key_of(const struct table *table, const char *key)
     return TEXT("");
 }
 
-/* Returns the SI value of the shortest decimal number that equals `si` to rounding: the number that
- * was in the original file. Its SI value may be off by the subtraction of the zero. `scale` is the
- * larger of the two numbers that were subtracted. *digits is where the search starts, and is set to
- * where it ended. */
+/* Returns the SI value of the shortest decimal number, in `unit`, that equals `si` to rounding: the
+ * number that was in the original file. Its SI value may be off by the subtraction of the zero.
+ * `scale` is the larger of the two numbers that were subtracted. *digits is where the search
+ * starts, and is set to where it ended, as neighbours have as many. */
 static double number_in_file(double si, double scale, const struct unit *unit, int *digits)
 {
     const double rounding = 2 * DBL_EPSILON * scale;
@@ -43,8 +43,8 @@ static double number_in_file(double si, double scale, const struct unit *unit, i
     return si;
 }
 
-/* Adds the zero that was subtracted, and searches the original file's decimals in its own unit, so
- * that the same doubles result. */
+/* Adds the zero that `export` subtracted to the values, and searches the original file's decimals
+ * in its own unit (of SI value `factor`), so that the same doubles result. */
 static void undo_export(struct recording *recording, struct text zero, struct text factor)
 {
     size_t used = 0;
@@ -64,7 +64,8 @@ static void undo_export(struct recording *recording, struct text zero, struct te
     }
 }
 
-/* Loads a recording from its export. Returns NULL if it cannot be read. */
+/* Loads a recording of this name from its export, the file and its parsed table. Returns NULL if it
+ * cannot be read. */
 static struct recording *load_export(const char *file, const struct table *table, struct text name,
                                      const struct load_options *options)
 {

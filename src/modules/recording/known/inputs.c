@@ -9,7 +9,8 @@
 /* Relative change of a parameter that shows whether the motion depends on it. */
 #define PARAM_NUDGE_RELATIVE 1e-3
 
-/* Combines uncertainties; values without one are listed as exact. */
+/* Adds a value that enters a result: its relative uncertainty is combined with the others; a value
+ * without one is listed as exact under its name, once. */
 void inputs_use(struct inputs *inputs, const char *name, struct measured value)
 {
     if (!(fabs(value.value) > 0))
@@ -61,7 +62,8 @@ static bool sample_motion(const struct scene *scene, double motion[3 * LIMIT_VAR
     return true;
 }
 
-/* Changes each parameter a little, and adds it if the motion changes. */
+/* Adds the parameters, except those that are free, that influence the motion: each is changed a
+ * little, and added if the motion changes. */
 void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const bool *is_free)
 {
     double original[3 * LIMIT_VARIABLES], changed[3 * LIMIT_VARIABLES];
