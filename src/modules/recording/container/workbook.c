@@ -93,8 +93,9 @@ static bool ignore_end(void *context, const char *name)
 
 /* ---- which sheets there are ---- */
 
-/* Handles an element of xl/workbook.xml: collects the names of sheets and the epoch of dates.
- * `context` is the struct workbook. Returns false with book->error if out of memory. */
+/* Handles an element of the workbook's main document, and collects the names of sheets and the
+ * epoch of dates. `context` is the struct workbook. Returns false with book->error if out of
+ * memory. */
 static bool workbook_start(void *context, const char *name, const char **attributes)
 {
     struct workbook *book = context;

@@ -365,8 +365,8 @@ static double noise_beside(const struct modes_fitting *f, const struct normal_mo
     return sqrt(2 * variance / (double)f->fit.used) / rms;
 }
 
-/* Returns true if all amplitudes are certain and stand out of the noise; else false with the
- * error. */
+/* Returns true if all amplitudes are certain and above the noise; else sets the error, and returns
+ * false. */
 static bool modes_are_certain(const struct modes_fitting *f, const struct modes_fit *modes,
                               struct error *error)
 {
@@ -391,7 +391,7 @@ static bool modes_are_certain(const struct modes_fitting *f, const struct modes_
     return true;
 }
 
-/* Returns how many of `count` modes stand out of the noise, or -1 if out of memory or cancelled. */
+/* Returns the number, up to `count`, of modes above the noise, -1 if out of memory or cancelled. */
 static int count_modes(const struct samples *x, int count, const struct cancel *cancel,
                        struct mode_start *start)
 {
@@ -410,7 +410,7 @@ static int count_modes(const struct samples *x, int count, const struct cancel *
     return sure;
 }
 
-/* Counts certain modes, fits them, rejects outliers in up to three rounds, and reports. */
+/* Fits `count` damped modes, rejects outliers in up to three rounds; false with the error. */
 bool series_modes(const struct series *series, int count, struct arena *arena,
                   const struct cancel *cancel, struct modes_fit *modes, struct error *error)
 {
@@ -452,8 +452,8 @@ static bool may_be_two_lines(const struct samples *x)
     return may;
 }
 
-/* Searches two lines quickly, in as few means of neighbours as show them. Returns the number found,
- * or -1. */
+/* Searches two lines quickly, in thinned samples. Returns the number found, or -1. start[k] becomes
+ * the fit of k lines, *samples the number of samples used. */
 static int search_two_lines(const struct samples *x, struct mode_start start[3], double *samples)
 {
     const struct series all = {.t = x->t, .y = x->y, .n = x->n, .cancel = x->cancel};
@@ -468,7 +468,7 @@ static int search_two_lines(const struct samples *x, struct mode_start start[3],
     return found;
 }
 
-/* Searches two modes quickly, and requires evidence for both, and frequencies that are resolved. */
+/* Returns true, and sets *pair, if the samples have two resolved modes, both with evidence. */
 bool two_lines(const struct samples *x, struct mode_pair *pair)
 {
     struct mode_start start[3];

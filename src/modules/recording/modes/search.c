@@ -148,8 +148,8 @@ static void put_rates(const struct modes_search *s, const struct rates *rates, d
     }
 }
 
-/* Tries a start with each of a few damping rates for the modes from `fresh` on, and keeps it if it
- * is among the best. */
+/* Tries a start with each of a few damping rates for the modes from number `fresh` on, and stores
+ * it in s->best, ordered by rss, if it is among the best. */
 static void try_rates(struct modes_search *s, const struct rates *rates, int fresh)
 {
     const double damping[] = {0, 4, 16};
@@ -172,7 +172,7 @@ static void try_rates(struct modes_search *s, const struct rates *rates, int fre
     }
 }
 
-/* Tries each line of the residuals as the next mode. */
+/* Tries each line in the spectrum of the residuals as the next mode, beside the known ones. */
 static void try_lines(struct modes_search *s, const struct rates *known, const double *residual)
 {
     const struct series left = {.t = s->series.t, .y = residual, .n = s->series.n};
@@ -218,8 +218,8 @@ static void keep_start(const struct modes_search *s, const struct curve_fit *fit
     memcpy(residual, fit->residual, s->series.n * sizeof *residual);
 }
 
-/* Descends from each of the best trials and keeps the best minimum. Returns false if there is none,
- * or if cancelled. */
+/* Descends from each of the best trials, and stores the best minimum in *start and its residuals.
+ * Returns false if there is none, or if cancelled. */
 static bool refine(struct modes_search *s, struct mode_start *start, double *residual)
 {
     const struct curve_options options = {.rough = true,
@@ -245,8 +245,8 @@ static bool refine(struct modes_search *s, struct mode_start *start, double *res
     return found;
 }
 
-/* Searches one mode more than in `start`, and replaces the residuals. Returns false if none is
- * found. */
+/* Searches one mode more than in `start`, from lines of the residuals or by splitting a mode,
+ * stores the result in *next and replaces the residuals. Returns false if none is found. */
 static bool add_mode(struct modes_search *s, const struct mode_start *start,
                      struct mode_start *next, double *residual)
 {
@@ -280,7 +280,10 @@ static bool straight_line(struct modes_search *s, struct mode_start *start, doub
     return true;
 }
 
-/* Thins the samples, fits a straight line, and adds modes one by one. */
+/* Searches up to `modes` modes: thins the samples, fits a straight line, and adds modes one by one.
+ * start[k] becomes the best fit of k modes, *samples the number of samples that it used. `quick`
+ * saves time where only a hint is needed. Returns the number found, or -1 if out of memory or
+ * cancelled. */
 int modes_search(const struct samples *x, int modes, bool quick, const struct cancel *cancel,
                  struct mode_start *start, double *samples)
 {

@@ -9,8 +9,8 @@
 static const char *const names[ADOPTED_VALUES] = {"k",  "k3", "gamma",  "C",      "friction",
                                                   "y0", "v0", "length", "theta0", "rate0"};
 
-/* Sets start to position and velocity at the fit's t0. n is how often a position was differentiated
- * to give the fitted quantity. */
+/* Sets start to position and velocity at the fit's t0. n is the number of times that a position was
+ * differentiated to give the fitted quantity (2 for an acceleration). */
 static void start_in_motion(const struct fit *fit, int n, struct measured start[2])
 {
     if (fit->drag.candidates > 0) {
@@ -44,8 +44,8 @@ static void start_of(const struct fit *fit, int n, bool at_rest, struct measured
     start[1] = (struct measured){0, 0};
 }
 
-/* Adds offset to parameter i of the fit: of the equation for a law, of the damped sine
- * otherwise. */
+/* Adds offset to parameter i of the fit, numbered as in its covariance: parameters of the equation
+ * of motion if laws of damping were compared, of the damped sine otherwise. */
 static void shift_parameter(struct fit *fit, int i, double offset)
 {
     const double half = isfinite(fit->gamma.value) ? 0.5 * fit->gamma.value : 0;
@@ -85,7 +85,9 @@ static struct measured param_measured(const struct scene *scene, const char *nam
                       : (struct measured){NAN, NAN};
 }
 
-/* Converts frequency, damping and start to the scene's own parameters. */
+/* Converts frequency, damping and start of the fit to the scene's parameters, in value. n is the
+ * number of derivatives that the fitted quantity is of a position; at_rest starts at the amplitude
+ * without velocity. */
 void adopted_values(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
                     struct measured value[ADOPTED_VALUES])
 {
@@ -111,7 +113,8 @@ void adopted_values(const struct scene *scene, const struct fit *fit, int n, boo
     value[ADOPTED_VELOCITY] = value[ADOPTED_TURNING] = start[1];
 }
 
-/* Compares the amplitude of the scene's start with the fitted one. */
+/* Returns the position per unit of the fitted quantity for which the fitted motion has the
+ * amplitude of the scene's start; 0 for a scene at rest. */
 double adopted_scale_of(const struct scene *scene, const struct fit *fit)
 {
     const bool pendulum = is_pendulum(scene);
@@ -133,7 +136,8 @@ static void scale_measured(struct measured *m, double factor)
     m->uncertainty *= fabs(factor);
 }
 
-/* Scales all values, rates and covariances by their powers of the length. */
+/* Multiplies the fitted quantity by `scale`: all values, rates and covariances by their powers of
+ * its unit. */
 void adopted_scale(struct fit *fit, double scale)
 {
     struct drag_fit *drag = &fit->drag;
@@ -179,7 +183,9 @@ static void slope_of(const struct scene *scene, const struct fit *fit, int i, in
         slope[k] = increment > 0 ? (side[1][k].value - side[0][k].value) / (2 * increment) : 0;
 }
 
-/* Propagates the fit's covariances by numerical derivatives of the adopted values. */
+/* Fills *adopted with the parameters that adoption sets and their covariances, propagated from the
+ * fit's by numerical derivatives. n and at_rest are those of adopted_values(); without `starts` the
+ * initial state is left out. */
 void adopted_motion(const struct scene *scene, const struct fit *fit, int n, bool at_rest,
                     bool starts, struct scene_covariance *adopted)
 {

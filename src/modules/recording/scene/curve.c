@@ -73,7 +73,8 @@ bool scene_curve_first(const struct scene_curve *c, const struct system *system,
     return true;
 }
 
-/* Evaluates the step's polynomials at the samples within it. */
+/* Evaluates the step's polynomials at the samples within it, from number *i on, which becomes that
+ * of the first sample after the step. t_begin is the begin of the step [s]. */
 void scene_curve_inside(const struct scene_curve *c, const struct step *step,
                         const struct sampling *s, double t_begin, size_t *i)
 {
@@ -94,8 +95,8 @@ void scene_curve_inside(const struct scene_curve *c, const struct step *step,
         put_sample(c, step->system, s, *i, step->y);
 }
 
-/* Integrates along the mesh. Returns false if a step failed, if a sample lies before the start, or
- * if cancelled. */
+/* Integrates the system along the mesh of steps and stores the samples. Returns false if a step
+ * failed, if a sample lies before the start or beyond the mesh, or if cancelled. */
 static bool march_curve(const struct scene_curve *c, const struct system *system,
                         const struct sampling *s)
 {
@@ -150,7 +151,9 @@ static bool scene_at(const struct scene_curve *c, const double *parameter, struc
     return true;
 }
 
-/* Binds the scene to the parameters and follows the motion by the fitting method. */
+/* Computes value [n] at times t [n] and, unless NULL, derivative [n][parameters] of the scene with
+ * these parameters. `context` is the struct scene_curve. Returns false if the scene refuses them,
+ * if the motion fails, or if cancelled. */
 bool scene_curve_evaluate(void *context, const double *parameter, const double *t, size_t n,
                           double *value, double *derivative)
 {
@@ -203,7 +206,8 @@ static bool mesh_add(struct scene_curve *c, double t)
 /* Result of choosing steps: done, the method failed, or out of memory. */
 enum meshing { MESH_DONE, MESH_FAILED, MESH_MEMORY };
 
-/* Chooses the steps up to `end` with an adaptive run of the named method, at most `max` of them. */
+/* Chooses the mesh of steps up to the time `end` by an adaptive run of the named method with the
+ * tolerance tol, at most `max` of them. Returns MESH_FAILED if these do not suffice. */
 static enum meshing try_mesh(struct scene_curve *c, const struct system *system, const char *name,
                              double tol, size_t max, double end)
 {
@@ -228,8 +232,8 @@ static enum meshing try_mesh(struct scene_curve *c, const struct system *system,
     return MESH_DONE;
 }
 
-/* Prepares exact steps for a linear scene; else adapts the steps of dop853, or of rodas5p for a
- * stiff scene. */
+/* Prepares the steps for evaluations near these parameters: exact ones for a linear scene; else
+ * those of dop853, or of rodas5p for a stiff scene. Returns false with the error. */
 bool scene_curve_mesh(struct scene_curve *c, const double *parameter, const struct series *series,
                       struct error *error)
 {

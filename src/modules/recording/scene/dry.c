@@ -92,8 +92,8 @@ static void dry_walk_turn(struct dry_walk *w)
 
 /* ---- at rest ---- */
 
-/* Returns the first time [s] at which the forces on the resting body exceed the friction, or `end`.
- */
+/* Returns the first time [s] up to `end` at which the forces on the resting body exceed the
+ * friction, or `end`. STEP_LOOKS times are tried, then bisected. */
 static double release_time(const struct dry_walk *w, double end)
 {
     const double t_begin = w->step->t;
@@ -162,7 +162,8 @@ static bool step_again(struct dry_walk *w, const struct dry_state *saved, double
     return method_step(w->c->method, step) == STEP_OK;
 }
 
-/* Returns the fraction of the latest step at which the velocity finally leaves its branch. */
+/* Returns the fraction of the latest step at which the velocity leaves the sign of its branch for
+ * good, by bisection of its polynomial. */
 static double turning_fraction(const struct dry_walk *w)
 {
     struct dense_polynomial v;
@@ -180,8 +181,8 @@ static double turning_fraction(const struct dry_walk *w)
     return theta_high;
 }
 
-/* Moves up to `end` or to the next turning point, whichever is first. Returns false if a step
- * fails. */
+/* Moves the body up to the time `end` or to its next turning point, whichever is first, and stores
+ * the samples. Newton steps refine the turning point. Returns false if a step fails. */
 static bool dry_walk_move(struct dry_walk *w, double end)
 {
     struct step *step = w->step;
@@ -212,7 +213,9 @@ static bool dry_walk_move(struct dry_walk *w, double end)
     return true;
 }
 
-/* Alternates between motion and rest within each step of the mesh. */
+/* Integrates a scene with dry friction along the mesh and stores the samples: alternates between
+ * motion and rest within each step. Returns false if a step fails, if there are too many turning
+ * points, or if cancelled. */
 bool scene_dry_march(const struct scene_curve *c, const struct system *system,
                      const struct sampling *s)
 {

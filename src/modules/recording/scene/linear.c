@@ -65,7 +65,8 @@ static void step_position(struct linear_motion *m, int k, double dt)
     p->ready = false;
 }
 
-/* Collects the step lengths between the times. Returns false if they are too many. */
+/* Collects the different step lengths between t0 and the times t [n], in m->step. Returns false if
+ * they are too many. */
 static bool collect_steps(struct linear_motion *m, double t0, const double *t, size_t n)
 {
     double t_reached = t0;
@@ -96,7 +97,8 @@ struct linear_motion *linear_motion_create(double t0, const double *t, size_t n)
     return m;
 }
 
-/* Reads A, b, B_j and c_j off the system by unit states. */
+/* Reads the matrices of the linear system off its derivatives at unit states: y' = A y + b, and for
+ * `directions` sensitivities S_j' = A S_j + B_j y + c_j. */
 void linear_motion_bind(struct linear_motion *m, const struct variation *v, int directions)
 {
     const struct system *system = directions > 0 ? &v->whole : &v->base;
@@ -122,7 +124,8 @@ void linear_motion_bind(struct linear_motion *m, const struct variation *v, int 
         step_position(m, k, m->step[k].dt);
 }
 
-/* Computes the propagator: the exponential of [A 0 b; B A c; 0 0 0] dt contains E, F, e and f. */
+/* Computes the propagator p of a step of p->dt: the exponential of [A 0 b; B A c; 0 0 0] dt
+ * contains the matrices E and F of state and sensitivities and the constants e and f. */
 static void prepare_linear_step(struct linear_motion *m, struct linear_propagator *p)
 {
     double *x = m->scratch[0];
@@ -160,7 +163,8 @@ static void prepare_linear_step(struct linear_motion *m, struct linear_propagato
 
 /* ---- the motion ---- */
 
-/* Advances the state by one step. It is inlined for constant n, which lets loops unroll. */
+/* Advances the state of n variables and its `directions` sensitivities by one step. It is inlined
+ * for constant n, which lets loops unroll. */
 static inline __attribute__((always_inline)) void
 propagator_advance(int n, int directions, const struct linear_propagator *p, double *state)
 {

@@ -23,7 +23,7 @@
 
 /* ---- the start ---- */
 
-/* Returns true if all parameters of the start are fitted, so that it can be moved in time. */
+/* Returns true if all parameters of the scene's start are fitted, so that t0 can be moved. */
 static bool start_is_free(const struct scene_curve *c)
 {
     struct parameter_change *d = malloc(sizeof *d);
@@ -65,7 +65,7 @@ static void propose_start(struct scene_curve *c, int j, double value, double *st
     c->scene = trial;
 }
 
-/* Sets the start and a spring's parameters from a damped sine fitted to the samples. */
+/* Sets in start[] the initial state and a spring's parameters from a damped sine's fit. */
 static void improve_start(struct scene_curve *c, const struct fit *fit, double *start)
 {
     struct system system;
@@ -218,8 +218,8 @@ static bool approach_by_parts(struct scene_fitting *f, double period, struct err
     return true;
 }
 
-/* Adds the uncertainties of held values (the mass …): a change dq moves the answer by (J^T W J)^-1
- * J^T W dF/dq dq. Returns false with the error if out of memory. */
+/* Adds the uncertainties of held values (the mass …) to those of the fit: a change dq moves the
+ * answer by (J^T W J)^-1 J^T W dF/dq dq. Returns false with the error if out of memory. */
 static bool add_held(struct scene_fitting *f, struct scene_fit *fit, struct error *error)
 {
     const struct series *series = f->request->series;
@@ -383,8 +383,8 @@ static size_t stretch_of(const struct series *series, const struct overview *ove
     return (size_t)fmax(LEAST, overview->oscillates ? 2 * n / overview->periods : n / PARTS);
 }
 
-/* If more than noise is left, searches from the given start and with friction changed by about half
- * a swing: the sum of squares has a minimum for each number of half swings before a body sticks. */
+/* Searches from the proposed start, and with friction changed by about half a swing, if more than
+ * noise is left: each number of half swings before a body sticks has a minimum of its own. */
 static bool try_other_swings(struct scene_fitting *f, const double *proposed, double noise,
                              struct error *error)
 {

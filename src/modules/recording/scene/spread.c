@@ -22,7 +22,8 @@
 /* Rows recorded at most. */
 #define ROWS_MAX 1e6
 
-/* Runs dop853 with rows that are dense for the scene's natural scale. */
+/* Returns a run of the scene to time `end` [s] by dop853, with rows that are dense for the scene's
+ * natural scale, or NULL if it fails or is cancelled. The caller destroys it. */
 struct run *study_run(const struct scene *scene, double end, const struct cancel *cancel)
 {
     const struct method *method = method_find("dop853");
@@ -82,8 +83,9 @@ static void add_run(const struct spread_request *request, struct run *run, doubl
     }
 }
 
-/* Computes the derivatives [n][count] from differences of runs, one-sided if the other side is not
- * allowed, as for negative friction. Returns false with the error. */
+/* Computes in slope [n][count] the derivatives by the uncertain parameters from differences of
+ * runs, one-sided if one side is not allowed, as for negative friction. Returns false with the
+ * error. */
 static bool slopes_by_runs(const struct spread_request *request, double *slope, struct error *error)
 {
     memset(slope, 0, request->n * (size_t)request->known->count * sizeof *slope);
@@ -114,8 +116,8 @@ static bool slopes_by_runs(const struct spread_request *request, double *slope, 
 
 /* ---- elsewhere: the variational equations ---- */
 
-/* Computes the derivatives [n][count] from the variational equations. Returns false with the
- * error. */
+/* Computes value [n] and slope [n][count], the derivatives by the uncertain parameters, from the
+ * variational equations. Returns false with the error. */
 static bool slopes_by_variation(struct scene_curve *c, const struct spread_request *request,
                                 double *value, double *slope, struct error *error)
 {
@@ -132,8 +134,8 @@ static bool slopes_by_variation(struct scene_curve *c, const struct spread_reque
                                                     request->t[request->n - 1])));
 }
 
-/* Computes the derivatives by the uncertain parameters, and the quadratic form with their
- * covariances. */
+/* Computes in deviation [n] the standard deviation of a variable at the requested times, from the
+ * covariances of the uncertain parameters. Returns false with the error. */
 bool study_spread(const struct spread_request *request, struct arena *arena, double *deviation,
                   struct error *error)
 {

@@ -37,7 +37,9 @@ static bool is_usual(const struct scene *scene, const char *name)
     return false;
 }
 
-/* Goes through the scene's parameters that change the motion or its start. */
+/* Chooses the parameters that a fit of the scene frees if none are named: those that change the
+ * motion or its start. Sets index[] and returns their number. Those that the user has set exactly
+ * are listed in fixed[] (*fixed_count) instead. */
 int scene_fit_usual(const struct scene *scene, int *index, int *fixed, int *fixed_count)
 {
     int count = 0;

@@ -46,7 +46,9 @@ static double slope_at(const struct series *s, size_t begin, size_t end, size_t 
     return line / uu + (curved ? turn * curve / qq : 0);
 }
 
-/* Fits a parabola around each sample, within stretches that have no gap. */
+/* Computes the rate of change at each sample by a parabola through `points` samples around it (an
+ * odd number), within stretches that have no gap; NAN in stretches of less than three samples.
+ * Returns false with the error. */
 bool series_derivative(const struct series *series, int points, struct arena *arena,
                        struct derivative *derivative, struct error *error)
 {

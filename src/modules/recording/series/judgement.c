@@ -21,9 +21,9 @@
 /* Autocorrelation of neighbouring residuals above which the uncertainties are widened. */
 #define AUTOCORRELATION_MIN 0.1
 
-/* Computes the full Gauss-Newton step, adds the covariance for residuals of variance 1 to
- * fit->covariance, and clears `determined` of parameters that have no influence. Returns the length
- * of what the step would take out of the residuals. */
+/* Computes the full Gauss-Newton step from the triangle of normal equations, adds the covariance
+ * for residuals of variance 1 to fit->covariance, and clears fit->determined of parameters without
+ * influence. Returns the length of the change of the residuals that the step predicts. */
 static double gauss_newton_solve(const struct triangle *t, double *step, struct curve_fit *fit)
 {
     struct linear_problem l;
@@ -63,8 +63,8 @@ static double residual_variance(const struct curve_problem *p, const struct curv
     return slope > 0 ? weight / n * square / (n - (double)free) / (slope / n) / (slope / n) : NAN;
 }
 
-/* Returns true if the data determine parameter j: the sum of squares changes if it is moved by one
- * standard deviation to either side. */
+/* Returns true if the data determine parameter j of x: the weighted sum of squares, rss, changes by
+ * more than a hundredth of `variance` if the parameter is moved by `deviation` to either side. */
 static bool is_determined(struct curve_problem *p, const double *x, int j, double deviation,
                           double variance, double rss)
 {
@@ -87,7 +87,9 @@ static bool is_determined(struct curve_problem *p, const double *x, int j, doubl
 
 /* ---- judge ---- */
 
-/* Solves for the step that remains at x; the criteria compare it with values and uncertainties. */
+/* Fills *fit for the parameters x: residual variance, covariances, and whether the fit has
+ * converged, by the step and gradient that remain. `probe` also tests by evaluations that each
+ * parameter is determined. */
 void fit_judge(struct curve_problem *p, const double *x, bool probe, struct curve_fit *fit)
 {
     const int count = p->curve->parameters;
@@ -225,7 +227,8 @@ static void curve_fit_judge(const struct curve_problem *p, struct curve_fit *fit
                  fit->iterations, fit->small_gradient ? "the steps do not become small" : reason);
 }
 
-/* Widens formal uncertainties by the correlation of residuals, and adds the effect of rounding. */
+/* Completes *fit: widens formal uncertainties by the correlation of residuals, adds the effect of
+ * the sensor's rounding, and computes 95 % intervals, correlations and the verdict. */
 void fit_conclude(const struct curve_problem *p, struct curve_fit *fit)
 {
     double rounding[CURVE_PARAMETERS] = {0};

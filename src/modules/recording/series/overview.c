@@ -176,7 +176,7 @@ static void judge_few(struct motion *m)
     }
 }
 
-/* Gives the offset a slope if it is significant beside the residuals that remain then. */
+/* Gives the offset a slope if that is significant beside the residuals which then remain. */
 static void find_drift(struct motion *m)
 {
     struct harmonic drifting = m->harmonic;

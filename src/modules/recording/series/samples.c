@@ -11,7 +11,8 @@
 /* Largest share of samples that may be spikes; more are the oscillation itself. */
 #define SPIKES_MAX 0.2
 
-/* Averages groups of samples that are in use. */
+/* Makes in *means, in the arena, the means of groups of `each` successive samples, of those in use.
+ * Returns false if out of memory. */
 bool samples_average(const struct samples *x, size_t each, struct arena *arena,
                      struct series *means)
 {
@@ -72,7 +73,9 @@ static void fill_unused(const double *y, const unsigned char *use, size_t n, dou
     }
 }
 
-/* Averages pairs of neighbours repeatedly while the loss of variance is that of white noise. */
+/* Makes *thin by averaging pairs of neighbours repeatedly, as long as the variance lost is that of
+ * white noise and at most the share lost_share_max of all. `use` [n] masks samples, NULL means all.
+ * *thin is the series itself if it cannot be thinned. Returns false if out of memory. */
 bool series_thin(const struct series *series, const unsigned char *use, double lost_share_max,
                  struct arena *arena, struct series *thin)
 {
@@ -128,7 +131,8 @@ struct samples samples_part(const struct samples *samples, size_t begin, size_t 
     return part;
 }
 
-/* Scans for time steps that are gaps, and keeps the stretch with the most rows. */
+/* Returns the part with the most samples between two gaps: steps longer than an eighth of the
+ * period [s] and than six mean steps. */
 struct series series_longest_stretch(const struct series *series, double period)
 {
     if (series->n < 2)
@@ -152,7 +156,8 @@ struct series series_longest_stretch(const struct series *series, double period)
     return longest;
 }
 
-/* Integrates by trapezoids: first the mean, then the mean square about it. */
+/* Returns the mean over time of the series, with the rms deviation from it as its uncertainty; both
+ * are integrated by trapezoids. */
 struct measured series_mean(const struct series *s)
 {
     double area = 0, square = 0;
@@ -287,7 +292,8 @@ static bool has_steps(const struct samples *x, double quantum)
     return 100 * others <= x->n;
 }
 
-/* Takes the smallest difference of neighbours, or a fraction of it, if the others are multiples. */
+/* Returns the step of the sensor's readings: the smallest difference of neighbours, or a fraction
+ * of it, if the others are multiples; 0 if there is none. */
 double samples_quantum(const struct samples *x)
 {
     static const int parts_max = 5; /* a fast motion may take no single step of the sensor */
@@ -314,7 +320,8 @@ static bool readings_repeat(const struct samples *x, size_t lag, double quantum)
     return lag < x->n && (double)same >= repeat_share * (double)(x->n - lag);
 }
 
-/* Converts the sensor's step to an uncertainty of the phase, and that to one of the period. */
+/* Returns the relative uncertainty of the period due to the sensor's step, if the readings repeat
+ * in each period; 0 otherwise. */
 double quantum_pace(const struct motion *m)
 {
     const double samples = m->overview.period / m->samples.dt,
@@ -338,7 +345,8 @@ bool enough_samples(const struct series *series, int parameters, struct error *e
                      parameters);
 }
 
-/* Copies every k-th sample. */
+/* Sets *part to every k-th sample of a series, so that at most CURVE_MANY remain; shares its memory
+ * if that is all. Returns false if out of memory. */
 bool curve_part(const struct series *series, struct arena *arena, struct series *part)
 {
     const size_t stride = series->n / CURVE_MANY + 1, n = series->n / stride;

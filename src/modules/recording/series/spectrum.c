@@ -21,7 +21,7 @@ enum { PART_MIN = 16, CANDIDATES = 5 };
 /* ---- the Fourier transform of real values in pieces, between which it can be ended ---- */
 
 /* Combines the transforms of even and odd values, in GSL's half-complex order, to the transform of
- * all n values (Cooley and Tukey 1965). Returns false if cancelled. */
+ * all n values (Cooley and Tukey 1965) in result. Returns false if cancelled. */
 static bool combine_halves(const double *even, const double *odd, size_t n, double *result,
                            const struct cancel *cancel)
 {
@@ -48,7 +48,9 @@ static bool combine_halves(const double *even, const double *odd, size_t n, doub
     return true;
 }
 
-/* Splits long data into even and odd values, so that cancellation is checked between pieces. */
+/* Computes the transform of n real values (a power of 2) in place, in GSL's half-complex order.
+ * Splits long data into even and odd values, so that cancellation is checked between pieces.
+ * scratch [n] is work space. Returns false if cancelled. */
 bool transform_real(double *data, size_t n, double *scratch, const struct cancel *cancel)
 {
     const size_t half = n / 2;
@@ -76,8 +78,8 @@ struct transform {
     bool memory;   /* false if out of memory or cancelled */
 };
 
-/* Fills the even grid of n points with values: rejected samples are bridged by straight lines, and
- * the least-squares line is subtracted. */
+/* Fills an even grid of x->n points with values: rejected samples are bridged by straight lines,
+ * and the least-squares line is subtracted. */
 static void fill_even(const struct samples *x, double *filled)
 {
     size_t right = 0, left = 0;
@@ -257,7 +259,8 @@ static struct transform sum_transforms(const struct samples *x, size_t parts, st
     return sum;
 }
 
-/* Takes the highest peaks of the sum over the parts, which are those of the mean. */
+/* Sets omega [max] to the highest peaks [rad/s] of the mean spectrum of `parts` equal parts.
+ * Returns their number. Clears *memory if out of memory. */
 int mean_spectrum_peaks(const struct samples *x, size_t parts, double *omega, int max, bool *memory)
 {
     struct arena arena = {0};
@@ -287,7 +290,8 @@ int spectrum_candidates(const struct samples *x, double *omega, int max, bool *m
     return count;
 }
 
-/* Removes the surroundings of the highest peaks one by one, and compares the power left. */
+/* Returns the share of the power that lies around the highest peaks of the spectrum, `peaks` of
+ * them, within a factor exp(ratio_log) in frequency; 0 if it has no spectrum. */
 double power_share_of_peaks(const struct samples *x, int peaks, double ratio_log,
                             struct arena *arena)
 {

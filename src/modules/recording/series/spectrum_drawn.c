@@ -72,7 +72,8 @@ static void line_of(const struct samples *x, const double *weight, double middle
     line[0] = (value - line[1] * first) / sum;
 }
 
-/* Adds the value at a position between the points of a grid to the four points around it. */
+/* Adds the value at a position between the points of a grid to the four points around it, with the
+ * weights of cubic interpolation. */
 static void grid_add(double position, double value, double *grid)
 {
     const double lower = floor(position + 1e-6), s = position - lower;
@@ -155,7 +156,9 @@ static size_t bins_of(double points, size_t n)
     return length;
 }
 
-/* Spreads the samples in use on a grid, transforms it, and divides by the sum of the weights. */
+/* Computes the amplitude spectrum of the samples in use, which may have gaps: spreads them on a
+ * grid, transforms it, and divides by the sum of the weights. The spectrum is empty if there are
+ * too few. Returns false if out of memory or cancelled. */
 bool samples_spectrum(const struct samples *all, struct arena *arena, struct spectrum *spectrum)
 {
     struct samples x;
@@ -186,7 +189,8 @@ bool samples_spectrum(const struct samples *all, struct arena *arena, struct spe
     return true;
 }
 
-/* Computes the spectrum of a series and the array of its frequencies. */
+/* Computes the amplitudes of a series' spectrum and the array of their frequencies [Hz], both
+ * [*bins] in the arena. Returns false if there are too few samples or if out of memory. */
 bool series_spectrum(const struct series *series, struct arena *arena, const double **frequency,
                      const double **amplitude, size_t *bins)
 {

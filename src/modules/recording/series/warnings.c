@@ -55,8 +55,8 @@ static void warn_halves(struct fit *fit)
     }
 }
 
-/* Warns of beats if there are two frequencies, or of another modulation of the amplitude, which is
- * mostly a swing sideways. `poor` is residuals over signal. */
+/* Warns of beats if there are two frequencies, or of another modulation of the amplitude by the
+ * share `sway`, which is mostly sideways motion. `poor` is the ratio of residuals to signal. */
 static void warn_sway(const struct motion *m, double sway, double poor, struct fit *fit)
 {
     struct mode_pair pair;
