@@ -278,7 +278,7 @@ TEST(test_neighbours)
     struct arena arena = {0};
     flow(lorenz, 0.05, 0, 0, COUNT_OF(y), y);
     for (int dimensions = 1; dimensions <= 6; dimensions++) {
-        struct delay_space s = {.y = y, .delay = 3, .dimensions = dimensions, .apart = 20};
+        struct delay_space s = {.y = y, .delay = 3, .dimensions = dimensions, .theiler_window = 20};
         s.points = COUNT_OF(y) - 3 * (size_t)(dimensions - 1);
         assert_true(space_sort(&s, COUNT_OF(y), &arena));
         for (size_t i = 0; i < s.points; i += 97) {
@@ -287,7 +287,8 @@ TEST(test_neighbours)
             assert_int_equal(near.count, SPACE_NEAREST);
             size_t nearer = 0;
             for (size_t j = 0; j < s.points; j++)
-                nearer += (j > i ? j - i : i - j) > s.apart && space_distance2(&s, i, j) > 0 &&
+                nearer += (j > i ? j - i : i - j) > s.theiler_window &&
+                          space_distance2(&s, i, j) > 0 &&
                           space_distance2(&s, i, j) < near.square[SPACE_NEAREST - 1];
             assert_int_equal(nearer, SPACE_NEAREST - 1);
         }
