@@ -23,7 +23,9 @@ static double simulated_noise(const struct curve_problem *p, const struct curve_
     return p->robust && weight > 0 ? fmax(p->scale, sqrt(square / weight)) : fit->sigma;
 }
 
-/* Fits `rounds` simulated series without weights, and takes quantiles of the answers. */
+/* Replaces the intervals in *fit by the 2.5 and 97.5 % quantiles of fits to options->bootstrap
+ * simulated series, which are the fitted curve plus noise with the residuals' size and correlation.
+ * Returns false with the error. */
 bool fit_bootstrap(const struct curve_problem *p, const struct series *series,
                    const struct curve_options *options, struct arena *arena, struct curve_fit *fit,
                    struct error *error)

@@ -98,9 +98,10 @@ struct censoring {
     size_t censored; /* number of samples beyond the level */
 };
 
-/* Iterates from a first level (c->level) and a first sine: censors samples beyond the level, fits
- * the others, and computes the level as the mean of the censored readings. side is 1 for tops and
- * -1 for bottoms. Fills c. Returns false if too few samples are censored or the fit fails. */
+/* Finds the level at which tops (side 1) or bottoms (-1) are clipped, from a first level c->level
+ * and a first sine: censors samples beyond the level, fits the others, and takes the mean of the
+ * censored readings as the new level. Fills c. Returns false if too few samples are censored or the
+ * fit fails. */
 static bool settle_level(const struct motion *m, int side, const struct harmonic *start,
                          struct censoring *c)
 {
@@ -165,8 +166,8 @@ static bool is_flat(const struct motion *m, const struct censoring *c)
                              FLAT_RESOLVED_STEPS * m->quantum + FLAT_SHARE * c->excess;
 }
 
-/* Sets *some to a motion of every k-th sample of a long one, in which ceilings are searched for
- * first; a short one is copied. Returns false if out of memory. */
+/* Sets *some to a motion of every k-th sample of a long one, in which clipping levels are searched
+ * for first; a short one is shared. Returns false if out of memory. */
 static bool motion_thin(const struct motion *m, struct arena *arena, struct motion *some)
 {
     enum { ROWS_MIN = 4096, ROWS_A_PERIOD = 6 };
@@ -199,9 +200,9 @@ static bool motion_thin(const struct motion *m, struct arena *arena, struct moti
     return true;
 }
 
-/* Searches the best level on one side: from several heights in the thinned motion, then once in all
- * samples. Returns true with the best in *best if it explains the samples better than no ceiling;
- * *trial is work space. */
+/* Searches the best clipping level on one side (1 above, -1 below): from several heights in the
+ * thinned motion `some`, then once in all samples. Returns true with the best in *best if it
+ * explains the samples better than no level; *trial is work space. */
 static bool find_ceiling(const struct motion *m, const struct motion *some, int side,
                          struct censoring *best, struct censoring *trial)
 {
@@ -244,7 +245,8 @@ static bool find_ceiling(const struct motion *m, const struct motion *some, int 
     return found;
 }
 
-/* Looks for a ceiling above, then for one below, if residuals suggest flat tops. */
+/* Searches for clipped tops, then for clipped bottoms, if the residuals suggest them, and leaves
+ * their samples out of the motion's fit. Returns false if out of memory. */
 bool censor_clipped(struct motion *m, struct arena *arena)
 {
     size_t n = m->samples.n;

@@ -165,8 +165,8 @@ static double top_between(const double value[3], double period, double *doubt)
 }
 
 /* Returns the shift [samples] of the correlation's maximum within a quarter of a period of the
- * expected shift, or NAN if it lies on the border. Sets *doubt to an estimate of the interpolation
- * error. */
+ * expected `shift`, or NAN if it lies on the border. Sets *doubt to an estimate of the
+ * interpolation error. */
 static double peak_near_lag(struct blocks *b, double shift, double *doubt)
 {
     const size_t low = (size_t)fmax(shift - 0.25 * b->period, 1),
@@ -211,7 +211,8 @@ static double variance_of_peaks(const struct blocks *b, double samples, int peak
     return 2 * sum / (kk * kk) / (double)b->count / of_line;
 }
 
-/* Fits the lags of up to 8 peaks by multiples of the period. */
+/* Computes the period [s] from the lags of up to PEAKS_MAX peaks of the autocorrelation; `known` is
+ * the period measured otherwise. Returns false if there are fewer than two peaks. */
 bool series_correlation_period(const struct series *series, const struct period *known,
                                struct arena *arena, struct measured *period)
 {
@@ -248,7 +249,8 @@ bool series_correlation_period(const struct series *series, const struct period 
     return true;
 }
 
-/* Compares the variance at nine places, and averages the lively stretch nearest to the middle. */
+/* Sets *part to the means of `each` successive samples, about `rows` of them, from a part of the
+ * series with motion near its middle. Returns false if out of memory. */
 bool series_lively_part(const struct series *series, size_t each, size_t rows, struct arena *arena,
                         struct series *part)
 {
@@ -318,7 +320,8 @@ static bool autocorrelation_fill(const double *y, size_t n, const struct cancel 
     return true;
 }
 
-/* Puts the series on an even grid, subtracts its line, and correlates it with itself. */
+/* Returns the autocorrelation of the series at all lags, in the arena, after subtracting its line;
+ * *grid becomes the series on an even grid. Returns NULL if out of memory or cancelled. */
 double *series_correlations(const struct series *series, struct arena *arena, double **grid)
 {
     const size_t n = series->n;

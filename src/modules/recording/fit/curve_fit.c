@@ -99,7 +99,7 @@ static bool linearise(void *context, const double *x, int columns, struct triang
 }
 
 /* Fills the triangle with the second derivative of the residuals along `step`, by a finite
- * difference (see struct least_squares). */
+ * difference (see struct least_squares). Returns false if the curve has no value there. */
 static bool curvature(void *context, const double *x, const double *step, struct triangle *t)
 {
     static const double part = 0.02; /* fraction of the step over which the difference is taken */
@@ -131,7 +131,9 @@ static void set_order(struct curve_problem *p, const bool *linear)
         p->order[linear && linear[j] ? solved++ : p->model.linears + others++] = j;
 }
 
-/* Allocates the arrays, orders the parameters, and gives all samples the weight 1. */
+/* Sets up the least-squares problem of a curve and a series in *p: allocates its arrays in the
+ * arena, orders the parameters so that the linear ones (NULL for none) come first, and gives all
+ * samples the weight 1. Returns false if out of memory or cancelled. */
 bool curve_problem_init(struct curve_problem *p, const struct fit_curve *curve, const bool *linear,
                         const struct series *series, struct arena *arena)
 {
@@ -244,8 +246,9 @@ static double set_weights(struct curve_problem *p, bool soft)
     return cancelled(p->cancel) ? INFINITY : change;
 }
 
-/* Alternates between new weights and single steps from x until the weights settle; *settles tells
- * whether they did. Returns false if the curve has no value or the search was cancelled. */
+/* Alternates between new robust weights and single steps of x until the weights settle; *settles
+ * tells whether they did. Adds the steps to *iterations. Returns false if the curve has no value or
+ * the search was cancelled. */
 static bool find_weights(struct curve_problem *p, double *x, int *iterations, bool *settles)
 {
     for (int round = 0; round < ROBUST_ROUNDS; round++) {

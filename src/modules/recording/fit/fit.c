@@ -40,11 +40,11 @@ static void covariances_fill(const struct harmonic *h, const double *const gradi
                 deviation[i] * deviation[j] * combination_covariance(h, gradient[i], gradient[j]);
 }
 
-/* Converts the harmonic's parameters to those of y = c + A exp(-gamma t/2) cos(omega t + phi), with
- * t counted from t0, A >= 0 and phi in (-pi, pi], and stores them in fit. Uncertainties come from
- * the covariance of the least-squares problem, widened for what the residuals have in common with
- * each parameter (sway, drift). The caller adds the difference between the halves; other errors of
- * the model are not included (see the warnings). */
+/* Stores the harmonic as y = c + A exp(-gamma t/2) cos(omega t + phi) in fit, with t counted from
+ * t0, A >= 0 and phi in (-pi, pi]. Uncertainties come from the covariance of the `unknowns` fitted
+ * parameters, widened for what the residuals have in common with each parameter (sway, drift). The
+ * caller adds the difference between the halves; other errors of the model are not included (see
+ * the warnings). */
 static void sine_values_set(const struct samples *x, const double *residual,
                             const struct harmonic *h, int unknowns, double t0, struct fit *fit)
 {
@@ -322,7 +322,8 @@ const struct fit_model *fit_model_from(const struct row *row)
     return (const struct fit_model *)(const void *)row;
 }
 
-/* Evaluates the damped sine, or integrates the motion of a law, and adds the drift. */
+/* Computes value [n] of the fit at times t [n]: the damped sine, or the integrated motion of a law,
+ * with the drift; NAN where the law has no value. */
 void fit_values(const struct fit *fit, const double *t, size_t n, double *value)
 {
     const double gamma = fit->gamma.value, omega = fit->omega.value;

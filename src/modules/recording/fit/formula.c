@@ -107,7 +107,9 @@ static void mark_linear(struct formula *f)
     }
 }
 
-/* Compiles the text; unknown names become parameters as they appear. */
+/* Compiles the text into *formula, in the arena. `known` finds constants (NULL for none), column[]
+ * are further inputs; other names become parameters as they appear. *used is the length of the
+ * formula in the text. Returns false with the error. */
 bool formula_compile(struct text text, const struct expr_scope *known,
                      const struct formula_column *column, int columns, struct arena *arena,
                      struct formula *formula, size_t *used, struct error *error)
@@ -232,7 +234,8 @@ void formula_done(struct formula *f)
     program_destroy(f->program->all);
 }
 
-/* Runs the program for each sample, with or without derivatives. */
+/* Computes value [n] and, unless NULL, derivative [n][parameters] of the formula at times t [n].
+ * `context` is the struct formula. Returns false if a value is not finite or if cancelled. */
 bool formula_evaluate(void *context, const double *parameter, const double *t, size_t n,
                       double *value, double *derivative)
 {

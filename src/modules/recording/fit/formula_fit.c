@@ -112,8 +112,8 @@ static double start_value_pick(struct formula_search *s)
     return random_uniform(s) < 0.3 ? -size : size;
 }
 
-/* Tries random starts; `started` has the values of the given parameters. Fills best, sorted by sum
- * of squares, and returns the number of entries. */
+/* Tries random starts of the unknown parameters; `started` has the values of the given ones. Fills
+ * best [REFINED], sorted by sum of squares, and returns the number of entries. */
 static int try_scales(struct formula_search *s, const struct cancel *cancel, const double *started,
                       struct formula_trial *best)
 {
@@ -178,9 +178,9 @@ static bool keep_formula_fit(struct refining *r, const struct curve_fit *trial)
     return true;
 }
 
-/* Fits the whole series from x and keeps the answer if it is the best so far. If `projected` is
- * true, linear parameters are solved for first and their start does not matter. Returns false if
- * the search has to end (cancelled, out of memory). */
+/* Fits the whole series from x and stores the result if it is the best so far. If `projected` is
+ * true, linear parameters are solved for first, so that their start does not matter. Returns false
+ * if the search has to end (cancelled, out of memory). */
 static bool refine(struct refining *r, const double *x, bool projected)
 {
     struct arena scratch = {0};

@@ -62,8 +62,9 @@ static void phase_table_init(struct phase_table *turn, const struct harmonic *h,
     }
 }
 
-/* Fills u + i v = exp((-gamma/2 + i omega) s) and s = t - origin for the chunk of samples from
- * `first` on, of which `count` exist. */
+/* Fills u + i v = exp((-gamma/2 + i omega) s) and s = t - origin for the CHUNK samples from `first`
+ * on, of which `count` exist. At equal steps the table `turn` of phases replaces sines and
+ * cosines. */
 static inline void fill_basis(const struct samples *x, size_t first, int count,
                               const struct harmonic *h, const struct phase_table *turn,
                               union block *u, union block *v, union block *s)
@@ -194,7 +195,9 @@ static bool fit_linear(struct harmonic_problem *p, struct descent *d)
     return d->converged;
 }
 
-/* Finds the linear parameters first if there is no start, then descends in all free ones. */
+/* Fits the free parameters (`wanted`) of a damped sine with offset to the samples in use; *result
+ * is the start and becomes the result. Without a start (amplitude 0) the linear parameters are
+ * found first. Sets residual [n] unless NULL. Returns false if not determined or cancelled. */
 bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct harmonic *result,
                   double *residual)
 {
@@ -240,7 +243,8 @@ bool harmonic_fit(const struct samples *x, enum harmonic_free wanted, struct har
     return true;
 }
 
-/* Averages products of neighbouring residuals, relative to their mean square. */
+/* Returns the correlation of neighbouring residuals: the mean of their products relative to the
+ * mean square; 0 if there are none. */
 double residual_autocorrelation(const struct samples *x, const double *residual)
 {
     double product = 0, square = 0;

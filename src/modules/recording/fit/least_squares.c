@@ -16,7 +16,8 @@ static const double epsilon = 2.220446049250313e-16;
 
 /* ---- the triangle ---- */
 
-/* Appends rows below the present triangle and factorises again (QR). */
+/* Adds rows of the block to the triangle of a QR factorisation. The block has room for the
+ * triangle, n + 1 rows, before the new ones, and is overwritten. */
 void triangle_add(struct triangle *t, double *block, size_t rows)
 {
     const size_t w = (size_t)t->n + 1;
@@ -31,7 +32,9 @@ void triangle_add(struct triangle *t, double *block, size_t rows)
         memcpy(&t->r[i][i], block + i * w + i, (w - i) * sizeof *block);
 }
 
-/* Cholesky factorisation of the products, with columns scaled to length 1. */
+/* Computes the triangle from the products [n + 1][width] of n columns and the residual, by a
+ * Cholesky factorisation with columns scaled to length 1. Returns false if a pivot is below
+ * `independent`, so that a column depends on others. */
 bool triangle_of_products(struct triangle *t, int n, int width, const double *product,
                           double independent)
 {
@@ -74,7 +77,8 @@ double triangle_squares(const struct triangle *t, int solved)
     return sum;
 }
 
-/* Computes R^-1 by back substitution, then (R^T R)^-1 = R^-1 R^-T. */
+/* Computes inverse [n][width], the inverse of the normal equations, by back substitution. Returns
+ * false if the triangle is singular. */
 bool triangle_inverse(const struct triangle *t, int width, double *inverse)
 {
     double turned[CURVE_PARAMETERS][CURVE_PARAMETERS] = {{0}};
@@ -118,7 +122,8 @@ static double column_length(const struct triangle *t, int j)
     return length;
 }
 
-/* Collects the free columns of the triangle, scaled, and decomposes them by singular values. */
+/* Decomposes the columns of the triangle from `first` on, without those held, scaled by `scale`
+ * (NULL for their lengths), by singular values into *p. */
 void linear_problem_of(const struct triangle *t, int first, const bool *held, const double *scale,
                        struct linear_problem *p)
 {
@@ -149,8 +154,8 @@ void linear_problem_of(const struct triangle *t, int first, const bool *held, co
     p->min = fmin(8 * epsilon * (double)(t->rows + (size_t)m), 1e-10) * p->s[0];
 }
 
-/* Adds the step along each singular direction that the data determine, and its share of the
- * gain. */
+/* Adds to step[] the Levenberg-Marquardt step for that damping along each singular direction that
+ * the data determine. Returns the reduction of the sum of squares that the step predicts. */
 double linear_problem_step(const struct linear_problem *p, double damping, double *step)
 {
     double gain = 0;
@@ -178,7 +183,8 @@ bool on_bound(const struct least_squares *m, int j, double x, double *inward)
     return low || high;
 }
 
-/* Solves the leading linear block of the triangle by back substitution. */
+/* Moves the linear parameters of x to their minimum by back substitution in the triangle at x.
+ * Returns the sum of squares then, or NAN if the model has no value or they are not determined. */
 double solve_linears(const struct least_squares *m, double *x, struct triangle *t)
 {
     const int solved = m->linears;
@@ -227,8 +233,9 @@ static void prepare_linear_problem(struct descent_work *w, const struct descent 
     linear_problem_of(t, m->linears, w->held, w->scale, &w->problem);
 }
 
-/* Moves the free parameters of x by step, within the bounds. Returns the largest component of the
- * step, relative to the value or its uncertainty. */
+/* Moves the free parameters of x by step, within the bounds; `variance` is that of a residual.
+ * Returns the largest component of the step, relative to the value or, if larger, its
+ * uncertainty. */
 static double least_squares_move(const struct least_squares *m, const struct linear_problem *p,
                                  const double *step, double variance, double *x)
 {
@@ -257,8 +264,8 @@ static double scaled_length(const struct descent_work *w, const double *step)
     return length;
 }
 
-/* Adds half the geodesic acceleration to the step (Transtrum & Sethna 2012). Returns false if the
- * model has no value or the acceleration is too large beside the step. */
+/* Adds half the geodesic acceleration to the step from x (Transtrum & Sethna 2012). Returns false
+ * if the model has no value there or the acceleration is too large beside the step. */
 static bool accelerate(const struct descent_work *w, const double *x, double damping, double *step)
 {
     static const double ratio_max = 0.75;
@@ -285,8 +292,10 @@ static double relaxation(double ratio)
     return fmax(1.0 / 3, 1 - excess * excess * excess);
 }
 
-/* Levenberg-Marquardt: each round solves the linear problem, tries the step, and accepts it if the
- * sum of squares falls, else raises the damping. Near the end, full steps are refined. */
+/* Descends by the Levenberg-Marquardt method from d->x: each round solves the linear problem, tries
+ * the step, and accepts it if the sum of squares falls, else raises the damping. Near the end, full
+ * steps are refined. d->converged tells the success. Returns false if the model has no value at the
+ * start or if cancelled. */
 bool least_squares_descend(const struct least_squares *m, const struct descent_options *o,
                            struct descent *d)
 {

@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-/* Weighted least squares about the mean point; uncertainties are widened by the scatter. */
+/* Fits a straight line to n points by least squares, weighted if all have uncertainties; the line's
+ * are widened by the scatter if that is larger. Returns false if no line is determined. */
 bool line_fit(const double *x, const struct measured *y, int n, struct line_fit *fit)
 {
     double w = 0, wx = 0, wy = 0, xx = 0, xy = 0;

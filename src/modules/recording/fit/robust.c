@@ -43,7 +43,7 @@ static void fit_segment(struct motion *m, struct swing_segment *s)
 }
 
 /* Marks the samples to use: those whose residual is within REJECT_AT of the segment's scale or the
- * typical one. Counts the rejected. Returns the number of samples that changed. */
+ * typical one. Counts m->rejected. Returns the number of samples whose mark changed. */
 static size_t update_mask(struct motion *m, double typical)
 {
     size_t changed = 0;
@@ -67,7 +67,9 @@ static size_t update_mask(struct motion *m, double typical)
     return changed;
 }
 
-/* Divides the motion into segments, and repeats local fits and rejection until the mask settles. */
+/* Divides the motion into segments of two periods, and repeats local fits and rejection of outliers
+ * until the marks settle; lowers the estimate of the noise to the residuals. Returns false if out
+ * of memory. */
 bool reject_outliers(struct motion *m, struct arena *arena)
 {
     enum { ROUNDS = 30, LEAST = 24 };

@@ -39,8 +39,10 @@ static double factor_of(const struct window_sums *d, double windows, double vari
     return factor > 1 + sqrt(2 / windows) ? factor : 1;
 }
 
-/* Sums residuals times the two directions in windows of two periods. Too few windows yield the
- * factor of the lag-1 autocorrelation for all parameters. */
+/* Returns factors of the variances of amplitude, phase and offset of an oscillation that slow
+ * changes in the residuals cause, from sums of windows of two periods. `fitted` is the number of
+ * parameters fitted in each direction. Too few windows give the factor of the lag-1 autocorrelation
+ * for all. */
 struct widening residual_widening(const struct samples *x, const double *residual,
                                   const struct oscillation *o, int fitted)
 {

@@ -27,7 +27,9 @@ enum { ROUNDS = 4 };
  * the residuals. */
 #define WANDERING_VARIANCE_RATIO 2.0
 
-/* Lists the start, omega, the rates of the law, and beta for a Duffing spring. */
+/* Sets index[] to the parameters of the equation of motion that a law and a restoring force leave
+ * free: start, speed, omega, the rates of the law, and beta for a Duffing spring. Returns their
+ * number. */
 int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PARAMETERS])
 {
     int count = FIRST_RATE;
@@ -44,8 +46,8 @@ int drag_indices(enum drag_law law, enum restoring_force force, int index[LAW_PA
 
 /* ---- the fits ---- */
 
-/* Sets the start of law i: a single law from the rates of the envelope; a sum from the best fit of
- * a law that it contains, with its further term at 0. */
+/* Sets the start values of law i: of a single law from the rates of the envelope; of a sum from the
+ * best fit of a law that it contains, with its further rate at 0. */
 static void begin_law(struct drag_fitting *f, int i)
 {
     const enum drag_law law = (enum drag_law)(i + 1);
@@ -123,7 +125,8 @@ static void baseline_single(struct drag_fitting *f, int terms)
     f->edge[1] = f->motion->samples.n;
 }
 
-/* Returns a baseline with a parabola in every three periods; edge receives the blocks' limits. */
+/* Returns a baseline with a parabola in every BASELINE_PERIODS periods; edge receives the blocks'
+ * limits (indices of samples). */
 static struct baseline baseline_in_blocks(const struct drag_fitting *f, size_t *edge)
 {
     const struct samples *x = &f->motion->samples;
@@ -160,8 +163,9 @@ static bool baseline_wanders(struct drag_fitting *f, int index, size_t *edge)
            (WANDERING_VARIANCE_RATIO + 3 * sqrt(2 / more)) * local_squares / left;
 }
 
-/* Decides which samples take part, by the residuals of the nearest law. Returns how many changed
- * sides. */
+/* Decides which samples are used, by the residuals of the nearest law: those within REJECT_AT
+ * robust standard deviations of their segment. Samples that were clipped remain left out if many of
+ * them deviate. Returns the number of samples whose use changed. */
 static size_t judge_samples(struct drag_fitting *f, const double *residual)
 {
     struct motion *m = f->motion;
@@ -210,8 +214,8 @@ static bool fit_motion_first(struct drag_fitting *f)
     return true;
 }
 
-/* Chooses samples and fits alternately until both agree. edge [blocks + 1] is memory for a
- * wandering baseline. Returns false if no law converged or if cancelled. */
+/* Chooses samples and fits all laws alternately until the choice settles. edge [blocks + 1] is
+ * memory for a baseline that wanders. Returns false if no law converged or if cancelled. */
 static bool settle_samples(struct drag_fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;
@@ -240,7 +244,8 @@ static bool settle_samples(struct drag_fitting *f, size_t *edge)
 
 /* ---- the whole ---- */
 
-/* Sets the start of the search: the damped sine at t0, converted to a position. */
+/* Sets the start of the search: the damped sine at t0, integrated start.order times to a position,
+ * as position, speed and omega0. */
 static void begin_drag_fitting(const struct motion *m, struct drag_fitting *f)
 {
     const struct harmonic *h = &m->harmonic;
@@ -295,8 +300,8 @@ static bool prepare_drag_fitting(struct motion *m, enum quantity quantity, struc
     return true;
 }
 
-/* Chooses the restoring force; the laws of damping are then fitted under it. Returns false if no
- * force can be fitted. */
+/* Chooses the restoring force, under which the laws of damping are then fitted, and its start
+ * values; sin y is tried only for angles. Returns false if no force can be fitted. */
 static bool choose_force(struct drag_fitting *f, enum quantity quantity, struct drag_fit *drag)
 {
     const bool angle = quantity == QUANTITY_ANGLE || quantity == QUANTITY_ANGULAR_FREQUENCY ||
@@ -315,7 +320,9 @@ static bool choose_force(struct drag_fitting *f, enum quantity quantity, struct 
     return true;
 }
 
-/* Chooses samples, baseline and restoring force, fits all laws, and chooses by BIC. */
+/* Fits all laws of damping to the motion and chooses one by BIC: first the samples, the baseline
+ * and, if `forces` is set, the restoring force. rates[] are start values from the envelope. Stores
+ * everything in *result. Returns false with the error. */
 bool drag_laws(struct motion *m, enum quantity quantity, bool forces,
                const struct envelope_rates rates[3], struct arena *arena, struct fit *result,
                struct error *error)

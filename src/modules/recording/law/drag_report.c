@@ -102,7 +102,8 @@ bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
     return true;
 }
 
-/* Sums v^2, |v|^3 and |v| over points of the motion. */
+/* Sums v^2, |v|^3 and |v| over points of the motion in loss[]: the energy that each rate would
+ * dissipate. */
 void drag_losses(const struct drag_fitting *f, const struct law_fit *fit, double loss[DRAG_RATES])
 {
     enum { POINTS = 4096 };
@@ -143,7 +144,8 @@ void drag_describe(const struct law_fit *fit, int i, double deviation,
     }
 }
 
-/* The offset at t0 and its slope, from the baseline. */
+/* Sets offset at t0, drift and wandering of *result from the law's baseline. Returns false if out
+ * of memory or if the motion cannot be computed. */
 bool drag_report_offset(struct drag_fitting *f, const struct law_fit *fit,
                         const struct drag_factors *factors, struct arena *arena, struct fit *result)
 {
@@ -182,7 +184,8 @@ static void covariances_fill(const struct law_fit *fit, const double *deviation,
                 deviation[i] * deviation[j] * fit->inverse[i][j];
 }
 
-/* Converts the motion's state and rates to amplitude, phase and frequency of a damped sine. */
+/* Converts state and rates of law i to amplitude, phase, frequency and covariances of *result,
+ * whose uncertainties are widened by the factors. */
 void drag_report(const struct drag_fitting *f, int i, const struct drag_factors *factors,
                  struct fit *result)
 {

@@ -74,7 +74,8 @@ static double restoring_at(const struct equation_walk *s, double y)
     return s->force == RESTORING_SINE ? sin(y) : y + s->cubic * y * y * y;
 }
 
-/* Computes the Taylor coefficients of the motion from those of orders 0 and 1. */
+/* Computes the Taylor coefficients of the motion, by the equation of motion, from those of orders 0
+ * and 1. */
 static void expand_values(struct equation_walk *s)
 {
     double rate[ORDER];
@@ -92,8 +93,8 @@ static void expand_values(struct equation_walk *s)
     }
 }
 
-/* Does the same with all derivatives: each solves the linear equation along the motion, driven by
- * its parameter. */
+/* Computes the Taylor coefficients of the motion and of all its derivatives by parameters: each
+ * derivative solves the linear equation along the motion, driven by its parameter. */
 static void expand_slopes(struct equation_walk *s)
 {
     row rate[ORDER];
@@ -144,8 +145,8 @@ static inline double power_factor(int k, int order)
     return order == 1 ? k : k * (k - 1);
 }
 
-/* Computes the derivative by time of the given order, of the motion or of all columns, at x after
- * the start of the step. */
+/* Computes in result [columns] the derivative by time of the given order, of the motion (1 column)
+ * or with its derivatives by all parameters, at the scaled time x after the start of the step. */
 static void evaluate_series(const struct equation_walk *s, double x, int order, int columns,
                             double *result)
 {
@@ -217,7 +218,9 @@ static double step_length(const struct equation_walk *s)
                     : STEP_MAX;
 }
 
-/* Scales the equation to the time unit 1/omega and expands the first series. */
+/* Prepares *s for evaluations of the equation: scales it to the time unit 1/omega and expands the
+ * first series. `slopes` tells which derivatives will be wanted. Returns false if omega is not
+ * above 0. */
 bool equation_begin(const struct equation *e, enum equation_slopes slopes, struct equation_walk *s)
 {
     const double omega = e->value[EQUATION_OMEGA];
@@ -243,8 +246,9 @@ bool equation_begin(const struct equation *e, enum equation_slopes slopes, struc
     return true;
 }
 
-/* Computes the samples from `first` on that lie within the step of length h. Returns the index of
- * the first sample beyond it, or n + 1 if a value is not finite. */
+/* Computes value and derivative (NULL for none) at the samples from `first` on that lie within the
+ * step of length h. Returns the index of the first sample beyond it, or n + 1 if a value is not
+ * finite. */
 static size_t within_step(const struct equation_walk *s, double h, const double *t, size_t first,
                           size_t n, double *value, double *derivative)
 {
@@ -277,7 +281,9 @@ static size_t within_step(const struct equation_walk *s, double h, const double 
     return i;
 }
 
-/* Advances by Taylor steps, and evaluates the samples within each step. */
+/* Computes value [n] and, unless NULL, derivative [n][EQUATION_PARAMETERS] at ascending times t
+ * [n], which continue those of the last call, by Taylor steps. Returns false if the steps become
+ * too short or too many, or if a value is not finite. */
 bool equation_values(struct equation_walk *s, const double *t, size_t n, double *value,
                      double *derivative)
 {

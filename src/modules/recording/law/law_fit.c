@@ -164,7 +164,8 @@ static bool normal_equations_sum(const struct law_samples *x, const struct law_f
 }
 
 /* Fills the triangle of the first `columns` parameters at x (see struct least_squares), or at the
- * present motion if x is NULL. */
+ * present motion if x is NULL. `context` is the struct law_problem. Returns false if the motion has
+ * no value or if there are too few samples. */
 static bool linearise(void *context, const double *x, int columns, struct triangle *t)
 {
     static const double independent = 1e-14;
@@ -190,7 +191,9 @@ double law_squares(const struct law_samples *x, struct law_fit *fit)
     return linearise(&problem, NULL, 0, &t) ? triangle_squares(&t, 0) : NAN;
 }
 
-/* Runs least_squares_descend() on the free parameters of the motion. */
+/* Fits the free parameters of the law's motion from their present values by
+ * least_squares_descend(). `trust` is the promised gain, in variances, below which it ends,
+ * `rounding` that which is only rounding. Returns true if it converged. */
 bool law_descend(const struct law_samples *x, double trust, double rounding, struct law_fit *fit)
 {
     static const double first_damping = 1e-3;
@@ -227,7 +230,8 @@ double law_formal(const struct law_fit *fit, int parameter)
 
 /* ---- what is left ---- */
 
-/* Computes y minus motion in blocks, then fits and subtracts each block's baseline. */
+/* Computes residual [n], data minus motion and baseline, and unless NULL level and slope of each
+ * block's baseline. Returns false if the motion has no value or if cancelled. */
 bool law_residuals(const struct law_samples *x, const struct law_fit *fit, double *residual,
                    double *level, double *slope)
 {

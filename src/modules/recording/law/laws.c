@@ -83,9 +83,9 @@ static double term_chance(const struct law_evidence *e, int small, int large)
     return gsl_cdf_fdist_Q(gain, extra, fmax(e->freedom - e->fit[large].parameters, 1));
 }
 
-/* Returns the largest share of the loss that the terms which a law has beyond `part` may take: at
- * two standard deviations in the direction in which they grow most. Unless NULL, *there tells
- * whether no coefficient is negative at that point; if one is, the limit is a law with fewer terms,
+/* Returns the largest share of the energy loss that the rates which law c has beyond `part` may
+ * take: at two standard deviations in the direction in which they grow most. Unless NULL, *there
+ * tells whether no rate is negative at that point; if one is, the limit is a law with fewer rates,
  * which is judged separately. */
 static double fraction_beyond(const struct law_evidence *e, const struct drag_candidate *c,
                               enum drag_law part, bool *there)
@@ -134,8 +134,8 @@ static bool law_is_refuted(const struct law_evidence *e, const struct drag_fit *
     return false;
 }
 
-/* Returns the law with the fewest terms, then the smallest BIC, of those that nothing refutes, or
- * -1 if all have a wrong sign. */
+/* Returns the index of the law with the fewest rates, then the smallest BIC, of those that the data
+ * do not refute, or -1 if all have a rate of the wrong sign. */
 static int simplest_law(const struct law_evidence *e, const struct drag_fit *drag)
 {
     int simple = -1;
@@ -260,7 +260,8 @@ static void say_claimed(const struct law_evidence *e, int best, const struct dra
                       fmax(100 * fraction, 0.1));
 }
 
-/* Finds the simplest law, those that remain beside it, and describes the evidence. */
+/* Finds the simplest law and those that remain possible beside it, and stores them with the
+ * evidence in words in result->drag. Returns the index of the best law. */
 int law_choose(const struct law_evidence *e, struct fit *result)
 {
     struct drag_fit *drag = &result->drag;

@@ -44,8 +44,8 @@ static void first_samples_take(const struct law_samples *whole, size_t target,
     part->law.baseline = (struct baseline){.blocks = 1, .edge = part->edge, .terms = 2};
 }
 
-/* Starts a fit with the damped sine of these samples, or with `start` if there is none or if they
- * are not positions. */
+/* Starts a fit with the damped sine of these samples, or with `start` if none can be fitted or if
+ * the samples are not positions. */
 static void begin_law_fit(const struct law_samples *x, const struct equation *start,
                           struct law_fit *fit)
 {
@@ -71,8 +71,8 @@ static size_t next_length(size_t length, size_t n)
     return length > n / 2 ? n : 2 * length;
 }
 
-/* Fits the force in windows that grow from first_length samples to all, starting from *first.
- * Returns false if it does not converge. */
+/* Fits the motion under that force in windows that grow from first_length samples to all, starting
+ * from *first; *fit becomes the result. Returns false if it does not converge. */
 static bool restoring_fit_grow(const struct law_samples *x, size_t first_length,
                                const struct law_fit *first, enum restoring_force force,
                                double rounding, struct law_fit *fit)
@@ -175,8 +175,9 @@ static int simplest_force(const struct force_fits *all, const struct drag_fit *d
     return RESTORING_LINEAR;
 }
 
-/* Computes the BIC of each force, with the effects of slow phase changes in the residuals of the
- * nearest. Returns false if these residuals cannot be computed, or if cancelled. */
+/* Computes the BIC of each restoring force in drag->restoring, allowing for slow phase changes in
+ * the residuals of the best fit. Returns false if these residuals cannot be computed, or if
+ * cancelled. */
 static bool compare_forces(struct drag_fitting *f, struct force_fits *all, struct drag_fit *drag)
 {
     int widest = -1;
@@ -201,7 +202,9 @@ static bool compare_forces(struct drag_fitting *f, struct force_fits *all, struc
     return true;
 }
 
-/* Fits the forces in growing windows, tries failed ones from the others' answers, and chooses. */
+/* Fits the restoring forces in growing windows, tries failed ones from the others' results, and
+ * chooses the simplest that is not refuted; `angle` permits sin y. *best becomes its fit. Returns
+ * false if the forces cannot be compared. */
 bool restoring_choose(struct drag_fitting *f, bool angle, struct drag_fit *drag,
                       struct law_fit *best)
 {

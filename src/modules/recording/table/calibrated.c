@@ -12,7 +12,8 @@ static enum quantity quantity_of(const struct unit *unit)
     return unit ? unit->quantity : QUANTITY_OTHER;
 }
 
-/* Converts the values to the calibration's unit, then to true values. */
+/* Converts the values of a recording to the calibration's unit, then to true values, once. Returns
+ * false with the error if their quantity is not that of the calibration. */
 bool recording_calibrate(struct recording *recording, const struct calibration *calibration,
                          struct error *error)
 {

@@ -92,7 +92,8 @@ static bool only_jumps(const struct recording *recording, double longest, double
     return begin > 0 && is_even_elsewhere(recording, step);
 }
 
-/* Adds the lost time after each jump, if all jumps are plausible. */
+/* Adds the lost time after each step back of the clock, with a warning, if all of them look like a
+ * clock that was set: between evenly spaced rows. */
 void mend_clock_jumps(struct recording *recording)
 {
     if (recording->source != TIME_COLUMN || recording->collected || recording->rows < 2 * EVEN_ROWS)
@@ -146,7 +147,8 @@ static double full_count(const double *value, size_t rows, double usual, size_t 
     return 0;
 }
 
-/* Finds the size at which the counter is full, and adds it at each overflow. */
+/* Adds the size of an overflowing counter in a column (none if negative) at each overflow, with a
+ * warning, if one of the usual sizes explains all steps back. */
 void unwrap_clock(struct recording *recording, int column)
 {
     if (column < 0 || recording->collected)

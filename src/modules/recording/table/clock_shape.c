@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-/* A step counts as even if it is within half of the mean step. */
+/* Returns true if the n values rise, nine in ten of the steps within half of the mean step, as
+ * those of a clock. */
 bool rises_evenly(const double *value, size_t n)
 {
     static const double even_share = 0.9;
@@ -20,7 +21,8 @@ bool rises_evenly(const double *value, size_t n)
     return (double)even >= even_share * (double)(n - 1);
 }
 
-/* Compares each stamp with the line through the first and the last one. */
+/* Returns true if the n values follow a straight line, as a clock whose stamps may repeat: within 2
+ * % of their range or the longest step. */
 bool is_along_line(const double *value, size_t n)
 {
     /* largest distance from the line, relative to the range */
@@ -45,7 +47,8 @@ bool is_along_line(const double *value, size_t n)
     return true;
 }
 
-/* A count may fall only from its highest to its lowest value. */
+/* Returns true if the n values fall somewhere, and only from their highest to their lowest value,
+ * as a counter that overflows. */
 bool count_wraps(const double *value, size_t n)
 {
     double low = HUGE_VAL, high = -HUGE_VAL;

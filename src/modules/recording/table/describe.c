@@ -47,7 +47,7 @@ static void put_columns(struct buffer *text, const struct recording *recording)
     buffer_put(text, TEXT("  (change with t= y= unit= tunit= rate= decimal= sep=)\n"));
 }
 
-/* Appends the file, value, rows and span; then columns, runs and warnings, a line each. */
+/* Appends a line with file, value, rows and span; then columns, runs and warnings, a line each. */
 void recording_describe(const struct recording *recording, struct buffer *text)
 {
     safe_text(text, text_last_component(text_of(recording->path)), false);

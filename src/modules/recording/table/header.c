@@ -30,7 +30,7 @@ static bool is_listed_word(struct text word, const char *words)
     return false;
 }
 
-/* Compares the whole name, then each word in it. */
+/* Returns true if the name, or a word in it, is in the list `words`, separated by blanks. */
 bool name_has_word(const char *name, const char *words)
 {
     if (is_listed_word(text_of(name), words))
@@ -46,7 +46,8 @@ bool name_has_word(const char *name, const char *words)
     return false;
 }
 
-/* Joins a unit in brackets or after '/' to the name before it, if blanks separate the fields. */
+/* Splits the next field off a line of the header. A unit in brackets or after '/' is joined to the
+ * name before it if blanks separate the fields. Returns false at the end. */
 bool header_field(struct text *rest, char separator, struct text *field)
 {
     if (!table_field(rest, separator, field))
@@ -114,7 +115,8 @@ static const struct unit *find_unit(struct text text, double *factor)
     return unit;
 }
 
-/* Copies the known unit, so that it is shown as the file spells it. */
+/* Sets *unit to a copy, in the arena, of the unit that the text names, spelled as in the file; NULL
+ * if it is unknown. Returns false if out of memory. */
 bool unit_spelled(struct text text, struct arena *arena, const struct unit **unit)
 {
     double factor;
@@ -136,7 +138,8 @@ static bool is_word_in(struct text text)
     return is_same_word(text, TEXT("in"));
 }
 
-/* Keeps the spelling; a unit of mass is not accepted for g of an accelerometer. */
+/* Sets unit, quantity and factor to SI of a column; an unknown unit is stored as it is spelled. An
+ * accelerometer's g is not taken for grams. */
 void column_unit(struct column *column, struct text unit)
 {
     double factor;
@@ -152,7 +155,8 @@ void column_unit(struct column *column, struct text unit)
     column->factor = known ? factor : 1;
 }
 
-/* Reads the number, and requires a known unit after it. */
+/* Reads a number that is followed by a known unit, as in "5 cm". Returns false if the field is
+ * anything else. */
 bool number_with_unit(struct text field, char decimal, double *value, struct text *unit)
 {
     enum { SPELLED_MAX = 16 };
@@ -189,7 +193,7 @@ static bool text_clean(struct text text, struct buffer *output)
 }
 
 /* Finds the unit in the last brackets of a name, the text before (stem) and after it (suffix).
- * Returns false if there is none. */
+ * Returns false if there is none that can be a unit. */
 static bool find_bracket(struct text text, struct text *stem, struct text *unit,
                          struct text *suffix)
 {
@@ -208,8 +212,8 @@ static bool find_bracket(struct text text, struct text *stem, struct text *unit,
     return false;
 }
 
-/* Finds the unit after "in" or a comma: "Weg in cm", "in s", "Zeit, s". Returns false if there is
- * none. */
+/* Finds the unit after "in" or a comma, as in "Weg in cm" or "Zeit, s", and the text before it
+ * (stem). Returns false if there is none. */
 static bool find_spoken(struct text text, struct text *stem, struct text *unit)
 {
     double factor;
@@ -227,8 +231,8 @@ static bool find_spoken(struct text text, struct text *stem, struct text *unit)
     return false;
 }
 
-/* Finds the unit after '_' or '/': "elapsed_ms", "Weg / mm", "v/m/s". Returns false if there is
- * none. */
+/* Finds the unit after '_' or '/', as in "elapsed_ms", "Weg / mm", "v/m/s", and the text before it
+ * (stem). Returns false if there is none. */
 static bool find_tail(struct text text, struct text *stem, struct text *unit)
 {
     double factor;
@@ -331,7 +335,8 @@ static bool name_column(struct column *column, struct text field, struct text un
     return true;
 }
 
-/* Names each column from the header's fields, as far as they reach. */
+/* Allocates the recording's columns and names them by the fields of the header, as far as these
+ * reach. Returns false with the error if out of memory. */
 bool table_columns(const struct table_layout *layout, struct recording *recording,
                    struct error *error)
 {

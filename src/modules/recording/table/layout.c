@@ -34,7 +34,7 @@ struct shape {
     bool led_by_zero;
 };
 
-/* Splits a line as `reading` describes and counts what it contains. */
+/* Splits a line by the separator and decimal mark of `reading` and counts the kinds of fields. */
 static struct shape shape_of(struct text line, struct separator_pair reading)
 {
     struct shape shape = {0};
@@ -84,8 +84,9 @@ struct found {
     bool fraction, led_by_zero;
 };
 
-/* Finds `run` consecutive rows of at least `min` fields; if `words`, some fields may be words.
- * Returns false if there are none. */
+/* Finds `run` consecutive rows of at least `min` fields in the first lines of a text; if `words`,
+ * some fields may be words. Sets *found to the first row and the score, the number of rows. Returns
+ * false if there are none. */
 static bool find_rows(const struct table_text *text, size_t first_line,
                       struct separator_pair reading, int min, bool words, int run,
                       struct found *found)
@@ -210,8 +211,8 @@ static bool keyed_comment(struct text *line, struct table_layout *layout)
     return true;
 }
 
-/* Finds the header lines above the first row: names, or names and then units. Sets *fields_above to
- * the number of fields in the line directly above, or 0. */
+/* Finds the header lines above the first row (names, or names and then units) and sets them in the
+ * layout. Sets *fields_above to the number of fields in the line directly above, or 0. */
 static void find_names(const struct table_text *text, size_t first, size_t first_line,
                        struct table_layout *layout, int *fields_above)
 {
@@ -264,7 +265,8 @@ static enum commas commas_of(const struct found *found, int fields_above)
     return fields_above >= 2 || found->led_by_zero ? COMMAS_UNCLEAR : COMMAS_PERHAPS;
 }
 
-/* Sets the layout of a table that was found. Returns false if its commas must be decimal marks. */
+/* Sets the layout of the table that was found. Returns false if its commas must be decimal marks,
+ * so that this separator is wrong. */
 static bool layout_fill(const struct table_text *text, size_t first_line,
                         const struct load_options *options, const struct found *found,
                         struct table_layout *layout)
@@ -391,7 +393,8 @@ static bool no_table(const struct table_text *text, size_t first_line, struct er
                              "blanks; sep= and decimal= describe others");
 }
 
-/* Finds the best layout, and refuses one whose commas are unclear. */
+/* Finds the best layout of a table in the first lines of the text, from first_line on. Returns
+ * false with the error if there is none, or if its commas are unclear. */
 bool table_find(const struct table_text *text, size_t first_line,
                 const struct load_options *options, struct table_layout *layout,
                 struct error *error)

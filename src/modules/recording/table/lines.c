@@ -31,7 +31,8 @@ static size_t line_length(struct text text)
     return text.len;
 }
 
-/* Finds the first line end of any kind. */
+/* Splits the next line off *rest, at a line end of any kind (LF, CR, CR LF, CR CR LF). Returns
+ * false at the end. */
 bool table_line(struct text *rest, struct text *line)
 {
     if (rest->len == 0)
@@ -102,7 +103,7 @@ static const char *find_arrow(struct text text)
     return NULL;
 }
 
-/* Takes a stamp in brackets, which terminal programs put before each line: "[2024-01-05
+/* Splits off a time stamp in brackets, which terminal programs put before each line: "[2024-01-05
  * 12:30:45.000] 27.00". The bracket ends the field, whatever the separator is; so does, unless
  * blanks separate, the arrow in "12:30:45.123 -> 27.00,3.1". Returns false if there is none. */
 static bool stamp_before_line(struct text *rest, char separator, struct text *field)
@@ -129,7 +130,8 @@ static bool stamp_before_line(struct text *rest, char separator, struct text *fi
     return true;
 }
 
-/* Takes a stamp in brackets, a quoted text, or the text up to the separator. */
+/* Splits the next field off *rest: a stamp in brackets, a quoted text, or the text up to the
+ * separator, without quotes and blanks around it. Returns false if none is left. */
 bool table_field(struct text *rest, char separator, struct text *field)
 {
     if (rest->data == NULL)
@@ -256,8 +258,9 @@ bool table_grouped(struct text field, char decimal, double *value)
     return odd_number(field, decimal, true, value);
 }
 
-/* Tries a number, an empty cell, an unusual number, a stamp, a number with a unit, infinity, in
- * that order. */
+/* Reads a cell as a number, an empty cell, an unusual number, a time stamp, a number with a unit,
+ * or infinity, in that order. Sets *value (NAN if it has none; of stamps in seconds) and returns
+ * the kind. */
 enum cell_kind table_cell(struct text field, char decimal, double *value)
 {
     size_t used;

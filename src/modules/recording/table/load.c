@@ -12,7 +12,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* Formats the sentence; beyond WARNINGS_MAX, the last entry counts further ones. */
+/* Adds a warning to the recording. Beyond WARNINGS_MAX, the last entry only counts further ones. If
+ * out of memory it is dropped. */
 void recording_warn(struct recording *recording, const char *format, ...)
 {
     va_list args;
@@ -41,7 +42,8 @@ void recording_warn(struct recording *recording, const char *format, ...)
 
 /* ---- loading ---- */
 
-/* Splits lines until the limits of lines or bytes. */
+/* Splits the first lines of the text into text->head, in the arena, up to HEAD_LINES lines or
+ * HEAD_BYTES bytes. Returns false if out of memory. */
 bool table_head(struct table_text *text, struct arena *arena)
 {
     struct text rest = text->text, line;
@@ -97,8 +99,8 @@ static void name_recording(struct recording *recording, struct text file)
         snprintf(recording->name, sizeof recording->name, "data");
 }
 
-/* Reads a text with the surest format, and chooses columns and times unless the format does.
- * Returns false with the error. */
+/* Reads a text by the format that recognises it with the most certainty, and chooses columns and
+ * times unless the format does so itself. Returns false with the error. */
 static bool read_text(struct table_text *text, const struct load_options *options,
                       struct recording *recording, struct error *error)
 {
@@ -129,7 +131,8 @@ static bool read_part(struct text content, const char *shown, const struct load_
            read_text(&text, options, recording, error);
 }
 
-/* Finds a table, or a format that recognises the text without one. */
+/* Returns true if a table begins in the content, or if a format recognises it without one;
+ * otherwise sets the error. `shown` is the name for messages. */
 bool table_begins(struct text content, const char *shown, const struct load_options *options,
                   struct error *error)
 {
@@ -168,8 +171,9 @@ static bool name_runs(const struct contents *contents, struct recording *recordi
     return true;
 }
 
-/* Reads the requested part of several, by default the first with a table. The runs of the recording
- * are those that the part names itself, else the parts. */
+/* Reads one part of several into the recording: the requested run, by default the first part with a
+ * table. The runs of the recording are those that the part names itself, else the parts. Returns
+ * false with the error. */
 static bool read_parts(const struct contents *contents, const char *shown,
                        const struct load_options *options, struct recording *recording,
                        struct error *error)
@@ -198,7 +202,8 @@ static bool read_parts(const struct contents *contents, const char *shown,
     return done;
 }
 
-/* Does the work of recording_load() on an empty recording. */
+/* Loads the file into an empty recording, as recording_load() does. Returns false with the
+ * error. */
 static bool recording_load_file(const char *path, const struct load_options *options,
                                 struct recording *recording, struct error *error)
 {
@@ -232,7 +237,8 @@ static bool recording_load_file(const char *path, const struct load_options *opt
     return done;
 }
 
-/* Also removes the values that a sensor sends when it sees nothing. */
+/* Returns a recording made of the text that was collected so far, or NULL with the error. Values
+ * that a sensor reports without a signal become missing. */
 struct recording *collected_read(struct text text, const struct load_options *options,
                                  struct error *error)
 {
@@ -287,7 +293,8 @@ static const struct column *error_column(const struct recording *recording)
     return found;
 }
 
-/* Finds the column of errors, and takes the row of each sample by its time. */
+/* Sets *half to the uncertainties of the series' samples from the recording's column of errors, in
+ * the arena, or to NULL if it has none. Returns false if out of memory. */
 bool recording_errors(const struct recording *recording, const struct series *series,
                       struct arena *arena, const double **half)
 {

@@ -91,8 +91,9 @@ struct unpadded_column {
     bool excluded; /* the decimals are padded, or it is not such a column */
 };
 
-/* Reads digits, the mark and digits; without a mark *part and *digits are 0. Returns false for
- * anything else, and if the digits after the mark begin with a padding 0. */
+/* Reads digits, the mark and digits into *whole, *part and the number of digits after the mark;
+ * without a mark *part and *digits are 0. Returns false for anything else, and if the digits after
+ * the mark begin with a padding 0. */
 static bool read_parts(struct text field, char mark, double *whole, double *part, int *digits)
 {
     bool is_fraction = false;
@@ -115,7 +116,8 @@ static bool read_parts(struct text field, char mark, double *whole, double *part
     return field.len > 0 && !padded && *digits <= MICRO_DIGITS;
 }
 
-/* Adds a field of the next row to the evidence. */
+/* Adds a field of the next row to the evidence that the digits after the mark are a whole number
+ * without padding; excludes the column if the field contradicts that. */
 static void unpadded_column_update(struct unpadded_column *column, struct text field, char mark)
 {
     double whole, part;

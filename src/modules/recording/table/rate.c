@@ -19,7 +19,8 @@ static const char *find_key(struct text line, const char *key)
     return NULL;
 }
 
-/* Looks for the key in each line, and reads the number after it. */
+/* Finds the key in the first lines of the text and reads the number after it into *value; *rest is
+ * what follows. Returns false if there is none. */
 bool head_number(const struct table_text *text, const char *key, double *value, struct text *rest)
 {
     for (size_t i = 0; i < text->heads && i < LINES_MAX; i++) {
@@ -40,7 +41,8 @@ bool head_number(const struct table_text *text, const char *key, double *value, 
     return false;
 }
 
-/* Looks for a sample interval, then for a rate with a unit. */
+/* Returns the sampling rate [Hz] that the header states, as a sample interval or as a rate with a
+ * unit, or 0 if none. */
 double table_rate(const struct table_text *text)
 {
     static const struct {

@@ -45,7 +45,8 @@ static double trailing_number(const char *name)
     return real_parse(text_of(name + index), &number) == REAL_OK ? number : -1;
 }
 
-/* Finds a run by its name, by the number in its name, or by its position in the file. */
+/* Finds a run by its name, by the number in its name, or by its position in the file. Sets *run.
+ * Returns false with the error, which lists the runs. */
 bool run_find(const struct recording *recording, struct text wanted, int *run, struct error *error)
 {
     struct text name = text_trim(wanted);
@@ -89,7 +90,8 @@ void run_list(const struct recording *recording, struct buffer *text)
         buffer_format(text, " and %d more", recording->runs - LISTED_RUNS_MAX);
 }
 
-/* Finds the run in each column's name, and numbers the runs as they appear. */
+/* Assigns columns to runs: part() finds the run in a column's name, and runs are numbered as they
+ * appear. Returns false with the error if out of memory. */
 bool runs_of_columns(struct recording *recording, bool (*part)(struct text name, struct text *run),
                      struct error *error)
 {
@@ -160,7 +162,8 @@ static bool choose_block(const struct table_text *whole, const struct table_bloc
     return false;
 }
 
-/* Lets the format find the blocks, and reads the chosen one. */
+/* Reads one block of a text with several: find() lists the blocks, which become runs, and read()
+ * reads the chosen one. Without blocks it is read as one table. Returns false with the error. */
 bool runs_of_blocks(const struct table_text *text, const struct load_options *options,
                     struct recording *recording, table_blocks *find, table_block_read *read,
                     struct error *error)

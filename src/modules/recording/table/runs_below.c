@@ -47,7 +47,8 @@ static void keep_rows(struct recording *recording, size_t begin, size_t end)
     recording->rows = n;
 }
 
-/* Finds where the clock restarts, names the runs, and keeps one of them. */
+/* Reduces the recording to one run, the requested or the first, if its clock restarts, so that runs
+ * are below each other; names the runs and warns. Returns false with the error. */
 bool take_run_below(struct recording *recording, const struct load_options *options,
                     struct error *error)
 {

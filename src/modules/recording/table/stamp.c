@@ -42,7 +42,8 @@ static int64_t days_from_civil(int64_t y, int64_t m, int64_t d)
     return era * 146097 + of_era * 365 + of_era / 4 - of_era / 100 + of_year - 719468;
 }
 
-/* Reads a date with '-', '/' or '.'. Returns false, with the cursor unchanged, if it is not one. */
+/* Reads a date with '-', '/' or '.', of years 1900 to 9999, into *stamp; day and month are told
+ * apart by size and mark. Returns false, with the cursor unchanged, if it is not one. */
 static bool scan_date(struct stamp_scan *s, struct stamp *stamp)
 {
     struct stamp_scan saved = *s;
@@ -89,8 +90,8 @@ static double fraction(struct stamp_scan *s)
     return value;
 }
 
-/* Reads "AM" or "PM" if there is one, and corrects the hour. Returns false if the hour is not from
- * 1 to 12. */
+/* Reads "AM" or "PM" if it comes next, and converts *hour to 0 to 23. Returns false if the hour
+ * before it is not from 1 to 12. */
 static bool scan_noon(struct stamp_scan *s, int64_t *hour)
 {
     scan_blanks(s);
@@ -105,8 +106,8 @@ static bool scan_noon(struct stamp_scan *s, int64_t *hour)
     return true;
 }
 
-/* Reads a time zone if there is one, such as Z, +01:00, -0530, and corrects *second to UTC. Returns
- * false if it is malformed. */
+/* Reads a time zone if one comes next, such as Z, +01:00 or -0530, and corrects *second to UTC.
+ * Returns false if it is malformed. */
 static bool scan_zone(struct stamp_scan *s, double *second)
 {
     int64_t hours, minutes = 0;
@@ -196,7 +197,8 @@ static bool scan_ctime(struct stamp_scan *s, struct stamp *stamp)
     return true;
 }
 
-/* Reads days, a date, a time of day and a zone, as far as they exist. */
+/* Reads a time stamp, which fills the text, into *stamp: days, a date, a time of day and a zone, as
+ * far as they exist, or the form of ctime(). Returns false if it is none. */
 bool stamp_parse(struct text text, struct stamp *stamp)
 {
     text = text_trim(text);

@@ -65,7 +65,8 @@ static void join_dates(struct recording *recording, int clock, int date)
     }
 }
 
-/* Counts the times from the first row, whose stamp is given in a warning. */
+/* Changes the times of column i to seconds from the first row, whose time of day is given in a
+ * warning. */
 static void count_from_first(struct recording *recording, int i)
 {
     struct column *column = &recording->column[i];
@@ -85,7 +86,8 @@ static void count_from_first(struct recording *recording, int i)
                    fmod(clock, 60));
 }
 
-/* Joins dates, passes midnights, and counts from the first row, column by column. */
+/* Completes columns of time stamps: joins dates to times of day, continues past midnight, and
+ * counts from the first row. Dates without a time of day become missing values. */
 void stamp_columns(struct recording *recording, const struct stamp_column *column)
 {
     for (int i = 0; i < recording->columns; i++) {

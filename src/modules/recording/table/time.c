@@ -31,8 +31,9 @@ static void to_si(const double *number, size_t n, double factor, double *si)
         si[i] = divide ? number[i] / inverse : number[i] * factor;
 }
 
-/* Recognises seconds, milliseconds, micro- or nanoseconds since 1970 by their size (between 1990
- * and 2100) and counts them from the first. Returns false if it is not such a clock. */
+/* Returns true if the time column counts seconds, milli-, micro- or nanoseconds since 1970,
+ * recognised by the size of its first value (years 1990 to 2100). Counts it from the first value
+ * then, with a warning. */
 static bool set_epoch(struct recording *recording, struct column *time)
 {
     static const struct {
@@ -94,7 +95,7 @@ static bool set_time_unit(struct recording *recording, const struct load_options
     return true;
 }
 
-/* Sets the unit of the value column to `unit` unless NULL; warns if it stays unknown. */
+/* Sets the unit of the value column to `unit` unless NULL; warns if the unit remains unknown. */
 static void set_value_unit(struct recording *recording, const struct unit *unit)
 {
     struct column *value = &recording->column[recording->value];
@@ -359,7 +360,7 @@ static bool reading_continues(const struct recording *recording, struct error *e
 }
 
 /* Computes times from the column or the rate, corrects faulty clocks, drops rows whose time does
- * not rise, and computes the values. */
+ * not rise, and computes the values in SI. Returns false with the error. */
 bool recording_time(struct recording *recording, const struct load_options *options,
                     struct error *error)
 {
