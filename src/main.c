@@ -289,6 +289,8 @@ static int session_front_run(const struct options *options)
     return status;
 }
 
+/* Runs the program: prints help or version, or hands over to the session's front end. Returns the
+ * exit status, ERROR_USAGE if the command line is not understood. */
 int main(int argc, char **argv)
 {
     streams_reserve();

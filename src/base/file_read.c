@@ -33,7 +33,9 @@ struct file_reading {
     int64_t deadline;
 };
 
-/* Suggests files of the same folder whose names are like the one that does not exist. */
+/* Sets the error's hint to files of the same folder whose names resemble that of `path`, which does
+ * not exist. Leaves the hint unchanged if there are none; looks at no more than ENTRIES_MAX
+ * entries, and at none that are hidden or not safe to print. */
 static void suggest_files(const char *path, struct error *error)
 {
     enum { ENTRIES_MAX = 4096, FOLDER_MAX = 4096 };

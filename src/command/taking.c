@@ -28,7 +28,9 @@ static const struct argument *find_taken(const struct command *command, struct t
     return found;
 }
 
-/* Appends how the command is written with that argument and with those that it requires. */
+/* Appends, in quotes, how the command is written with `argument` and with the arguments that it
+ * requires. With as_choice the argument's value is `word`, one of its choices; otherwise the
+ * argument appears as in the usage. */
 static void put_taker(const struct command *command, const struct argument *argument,
                       struct text word, bool as_choice, struct buffer *text)
 {
@@ -48,8 +50,9 @@ static void put_taker(const struct command *command, const struct argument *argu
     buffer_char(text, '\'');
 }
 
-/* Appends at most `most` other commands that take the word, those that take it in the typed form
- * first. Returns false if there are none. */
+/* Appends at most `most` commands other than this one that take the word, as the name of an
+ * argument or, with as_choice, as one of its choices; those that take it in the typed `form` come
+ * first. Returns false, and appends nothing, if there are none. */
 static bool put_others(const struct command *command, struct text word, bool as_choice,
                        enum argument_form form, int most, struct buffer *text)
 {

@@ -133,8 +133,9 @@ void reply_event_records(const struct session *session, struct reply *reply)
             "no events happened; 'event NAME when EXPR do record' records one in the next run");
 }
 
-/* Makes a table of all records of the current run: event, time, direction, values. Returns false
- * with an error if there are none or if out of memory. */
+/* Makes export->table of all event records of the current run: event, time, direction, and the
+ * values of the state at that time. Returns false with an error if there are none or if out of
+ * memory. */
 bool export_event_records(const struct session *session, struct export *export, struct error *error)
 {
     const struct run *run = session_run(session);

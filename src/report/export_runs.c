@@ -76,8 +76,9 @@ static void add_column(struct chosen_column one, struct chosen_column *list, int
     list[(*count)++] = one;
 }
 
-/* Lists the columns to write, each once: t, then those asked for, or else the state, the energy and
- * the observed expressions. Returns false with an error if a name is unknown. */
+/* Lists in list [*count] the columns to write, each once: t, then those that the argument names or,
+ * without it, the state, the energy (in scenes of second order) and the observed expressions.
+ * Returns false with an error if a name is unknown. */
 static bool list_columns(const struct system *system, const struct argument_value *column,
                          struct chosen_column *list, int *count, struct error *error)
 {

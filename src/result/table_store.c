@@ -233,7 +233,9 @@ void store_row_end(struct table_store *store)
 
 /* ---- finished tables ---- */
 
-/* Turns the columns that grew into a table. Returns false if out of memory, also while it grew. */
+/* Turns the columns that have grown row by row into stored->table; a column without any value
+ * becomes NAN. Does nothing if the table is finished. Returns false if out of memory, also if that
+ * happened while the columns grew. */
 static bool stored_table_finish(struct stored_table *stored)
 {
     const struct column_growth *growth = stored->growth;

@@ -83,7 +83,8 @@ void buffer_exact(struct buffer *buffer, struct measured value, enum quantity qu
     }
 }
 
-/* Appends a word so that a statement reads it back: plain, in '...', or in "..." with escapes. */
+/* Appends a word so that a statement reads it back: unquoted if it has no special characters, else
+ * in '...' or, if it contains ' or a line end, in "..." with escapes. */
 void buffer_word(struct buffer *buffer, struct text word)
 {
     bool plain = word.len > 0 && word.data[0] != '#';

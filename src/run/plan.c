@@ -165,7 +165,10 @@ bool plan_propagates(const struct system *system, const struct method *method,
             fabs(remainder(interval, settings->dt)) <= 1e-14 * interval);
 }
 
-/* Checks the settings, then decides what the run will compute and how much memory it takes. */
+/* Checks the settings of a run over `span` [s], then sets *plan: what the run will compute, its
+ * predicted steps, seconds, bytes and growth, NAN where they cannot be predicted. Returns false
+ * with *error if a setting is invalid, the method does not apply, or the rows would take too much
+ * memory. */
 bool plan_make(const struct system *system, const struct method *method,
                const struct run_settings *settings, double span, struct plan *plan,
                struct error *error)

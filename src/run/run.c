@@ -120,7 +120,8 @@ static bool needs_side_steps(const struct run *run)
 }
 
 /* Allocates the private part of a new run, its trace and the memory of its method, and records the
- * first state. Returns false if out of memory; run_destroy() frees what there is. */
+ * first state. Returns false if out of memory; the caller then frees with run_destroy() what has
+ * been allocated. */
 static bool run_allocate(struct run *run)
 {
     size_t n = (size_t)run->system.n, work = method_work_size(run->method, run->system.n);

@@ -46,8 +46,8 @@ static void event_list_add(struct session *session, struct events *events)
     session->definitions.event_lists++;
 }
 
-/* Frees lists that nothing uses, once their number has doubled since the last time, so that the
- * work per list stays constant. */
+/* Frees the lists of events for which used() returns false, once the number of lists has doubled
+ * since the last time, so that the work per list stays constant. */
 void events_sweep(struct session *session,
                   bool (*used)(const struct session *session, const struct events *events))
 {

@@ -42,7 +42,8 @@ static void panes_clear_log(void *context)
     log_clear(&panes_session(context)->log);
 }
 
-/* Appends the screen as text. */
+/* Appends the present screen as text, with the command line that is being edited; context is the
+ * struct panes. Returns false with *error. */
 static bool shot_text(void *context, const struct session *session, struct buffer *text,
                       struct error *error)
 {

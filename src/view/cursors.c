@@ -47,7 +47,8 @@ void cursors_draw(const struct screen *screen, const struct figure_layout *layou
     }
 }
 
-/* Appends the line of one cursor: its time, the value there, and the crossing or amplitude. */
+/* Appends the line of cursor i (0 is A, 1 is B): its time, the value there and, if it is at one,
+ * the number of the crossing, else the amplitude beside it. */
 static void put_cursor(struct buffer *output, const struct cursors *cursors, int i)
 {
     buffer_format(output, "%s%c  ", i == cursors->active ? ">" : " ", "AB"[i]);

@@ -128,8 +128,9 @@ static void empty_figure(const struct screen *screen, const struct placed_pane *
 
 /* ---- one pane ---- */
 
-/* Returns the title of a pane after its number, if it has one, or the name of its plot where plots
- * are described in words. Returns NULL if out of memory. */
+/* Returns the title of a pane, after its number if it has one, or the name of its plot if the
+ * screen describes plots in words. The text lives as long as the screen's arena. Returns NULL if
+ * out of memory. */
 static const char *numbered_title(struct screen *screen, const struct placed_pane *placed)
 {
     char text[64];

@@ -116,8 +116,9 @@ static void report_band(const struct figure *figure, enum plot_kind kind, struct
     reply_end(reply);
 }
 
-/* Returns the label without a unit at its end, as in "time (s)" or "y [cm]", and chooses that unit
- * for the axis, so that it is printed once. */
+/* Returns the label without a unit at its end, as in "time (s)" or "y [cm]", and sets the axis to
+ * that unit, so that it is printed once. The label is returned unchanged if the unit is unknown or
+ * of another quantity than the axis. */
 static struct text take_unit(struct text label, struct axis *axis)
 {
     const struct unit *present = axis->unit ? unit_find(text_of(axis->unit)) : NULL;

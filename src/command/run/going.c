@@ -288,8 +288,10 @@ static void reply_running(const struct session *session, struct reply *reply)
         reply_line(reply, "it follows the clock; 'speed max' runs as fast as possible");
 }
 
-/* Advances the current run along its last request, from event to event, until one of them stops it
- * or the target is reached, and replies with the result. */
+/* Advances the current run along its last request, by at most `steps` steps (no limit if < 0), from
+ * event to event, until one of them stops the run or the target is reached, and replies with the
+ * result. `clocked` lets a run on the screen keep the pace of the clock. Returns false with *error
+ * if the run or a command of an event fails. */
 bool run_go_on(struct session *session, const struct arguments *args, int64_t steps, bool clocked,
                struct reply *reply, struct error *error)
 {

@@ -222,7 +222,8 @@ static void reply_missed_burst(struct run *run, struct reply *reply)
     run->warned_burst = true;
 }
 
-/* Warns of an exact solution so long that roundings of the parameters move its phase. */
+/* Warns of an exact solution over so many periods that rounding k or m to a double changes its
+ * phase, phase * DBL_EPSILON, by more than unknown_max. */
 static void reply_phase_unknown(const struct run *run, struct reply *reply)
 {
     const double unknown_max = 1e-3; /* [rad] */

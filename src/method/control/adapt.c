@@ -161,8 +161,9 @@ static enum step_status adapt(const struct method *method, struct step *step,
     return adapt_size(step->system->n, method, step, controller, t_end, switches);
 }
 
-/* Takes one step of a library's own control on frozen branches. A step across the end of a branch
- * is taken again, up to that end. On failure the state is unchanged. */
+/* Takes one step of an external library's own step control, no farther than t_end, on frozen
+ * branches. A step across the end of a branch is shortened to that end. Returns the status; on
+ * failure state and time are unchanged. */
 static enum step_status adapt_library(const struct method *method, struct step *step,
                                       struct controller *controller, double t_end)
 {

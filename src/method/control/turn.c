@@ -234,8 +234,10 @@ static int64_t steps_to_try(const double *row, int64_t last, bool branches)
     return max >= 1 ? (int64_t)max : 0;
 }
 
-/* Takes the steps of a march in a scene with turning points: many at once by the kernel between
- * them, single ones next to them. Returns how many. */
+/* Takes the march->count steps of a march in a scene with turning points or switches: many at once
+ * by the kernel (NULL if there is none) between them, single ones next to them. The states are
+ * stored in march->row. Returns the number of steps taken, and *status tells why the march ended
+ * early. */
 int64_t method_turning_march(const struct method *method, march_function *kernel,
                              const struct march *march, enum step_status *status)
 {

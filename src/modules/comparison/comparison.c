@@ -135,8 +135,9 @@ static void comparison_plan(const struct session *session, struct buffer *text)
     buffer_put(text, TEXT(": reference solution, shared by precision, compare and order\n"));
 }
 
-/* Offers methods behind the name of a plot that makes a study, as in `plot order`. Returns false,
- * so that others complete, if it is another plot or if an option or a file was begun. */
+/* Offers methods as completions behind the name of a plot that makes a study, as in `plot order`;
+ * `preceding` is the line between the command's name and the word at the cursor. Returns false, so
+ * that others complete, for other plots or commands, and if an option or a file was begun. */
 static bool complete_study_methods(struct completion *c, const struct command *command,
                                    struct text preceding)
 {

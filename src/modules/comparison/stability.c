@@ -33,8 +33,9 @@ static void put_checks(struct buffer *output, const struct stability *s)
     }
 }
 
-/* Appends what is special about the limit: a step that the method refuses, growth so weak that it
- * shows late, or a narrow resonance below which and above which steps are stable. */
+/* Appends what is special about the stability limit: that it is the longest step the method
+ * accepts, that growth beyond it is so weak that it shows late, or that it is a narrow resonance,
+ * below and above which steps are stable. */
 static void put_weakness(struct buffer *output, const struct stability *s)
 {
     if (s->refused)

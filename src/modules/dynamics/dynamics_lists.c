@@ -157,7 +157,8 @@ void put_points(const struct session *session, const struct stored_branch *const
             put_contradiction(branch[b], &branch[b]->special[k], output);
 }
 
-/* Adds the record of a special point. */
+/* Adds the record `branch-point` of a special point on a branch: its label, type, parameters,
+ * state, eigenvalues or multipliers, and whether it was verified. */
 static void reply_point(const struct scene *scene, const struct system *system,
                         const struct stored_branch *branch, const struct stored_point *point,
                         struct reply *reply)
@@ -293,7 +294,8 @@ static void put_labels(struct buffer *output, const struct stored_branch *b)
     }
 }
 
-/* Lists the stored branches, their ends and labels, as a table and as records. */
+/* Replies with the stored branches of the session, with their ends and the labels of their points,
+ * as a table and as records `kept-branch`. Returns what list_none() returns if there are none. */
 bool dynamics_list_branches(struct session *session, struct arena *arena, struct reply *reply)
 {
     const struct dynamics *d = session_dynamics(session);

@@ -76,8 +76,9 @@ static const char *tick_label(const struct page *page, bool vertical, int i)
     return page_symbols(page, put_number_symbols, text);
 }
 
-/* Draws unlabelled ticks, if they are far enough apart: omitted decades, 2, 3 … 9 in each decade,
- * or parts of a step that are round numbers. */
+/* Draws the ticks without labels of the vertical axis if `vertical` is set, else of the horizontal
+ * one, if they are far enough apart: omitted decades, 2, 3 … 9 in each decade, or parts of a step
+ * that are round numbers. */
 static void draw_minor_ticks(struct page *page, bool vertical)
 {
     const struct ticks *ticks = vertical ? &page->layout.y_ticks : &page->layout.x_ticks;

@@ -329,8 +329,9 @@ struct follower {
     bool begun, full; /* a part was drawn since the pen was put down; the path is too long */
 };
 
-/* Adds a line to the path unless it passes only marked grains. It is the last stage of
- * trace_curve(). */
+/* Adds the line from the pen to (x, y) to the path, unless it passes only grains that earlier lines
+ * have marked, and moves the pen; `begins` moves it without a line. context is the struct follower.
+ * Called as the last stage of trace_curve(). */
 static void path_follow(void *context, double x, double y, bool begins)
 {
     struct follower *f = context;

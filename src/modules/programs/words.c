@@ -118,8 +118,9 @@ static void program_start_put(struct scene_program *p)
     }
 }
 
-/* Appends lines that give the elements of the array `state` their names; in C only those that are
- * read. */
+/* Appends the statements that assign the elements of the array `state` to the variables' names; in
+ * C only for those that are read, and a statement that marks t as unused where nothing depends on
+ * it. */
 static void put_unpack(struct scene_program *p)
 {
     const bool c = p->dialect == DIALECT_C;

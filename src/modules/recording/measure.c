@@ -365,8 +365,9 @@ static bool measure_reynolds(struct measuring *m)
     return measure_say(m, &text);
 }
 
-/* Measures k = m (omega^2 + gamma^2/4), with gamma from the decay if that can be measured, else 0,
- * and replies. The mass is the recording's own or the scene's. Returns false with the error. */
+/* Measures the stiffness k = m (omega^2 + gamma^2/4), with gamma from the decay if that can be
+ * measured, else 0, keeps the value and replies. The mass is the recording's own or, without one,
+ * the scene's, and its uncertainty is included. Returns false with m->error. */
 static bool measure_k(struct measuring *m)
 {
     const struct scene *scene = m->subject.run ? &m->subject.run->scene : &m->session->setup.scene;

@@ -111,8 +111,9 @@ static bool require_lesson(const struct session *session, struct error *error)
     return error_hint(error, "'lab' begins one");
 }
 
-/* Returns true, and says so, if the first step wants a recording and it was loaded before: one of
- * the user's own, or the one that the lesson generates for this step. */
+/* Returns true, and tells the user, if the lesson's first step asks for a recording and a suitable
+ * one is loaded already: one of the user's own, or the one that the lesson generates with the same
+ * seed. */
 static bool is_loaded(const struct session *session, struct reply *reply)
 {
     struct lesson_step step;
@@ -242,9 +243,9 @@ static int equivalent_values(const struct lesson_step *step, struct named_value 
  */
 enum verdict { ANSWER_OTHER_UNIT, ANSWER_VAGUE, ANSWER_WRONG, ANSWER_RIGHT };
 
-/* Compares an answer with the wanted value. It is right within three uncertainties, that of the
- * wanted one and the stated one, or, without a stated one, within its first digits. With a large
- * stated uncertainty nearly every value would be right, so that such an answer is refused. */
+/* Compares the user's answer with the wanted value. It is right within three uncertainties (of both
+ * values) or, if the answer has none, within its first digits. An answer with a large uncertainty
+ * is refused as vague, since nearly every value would be right. */
 static enum verdict answer_verdict(const struct item *item, const struct named_value *wanted)
 {
     const double stated = item->value.uncertainty;

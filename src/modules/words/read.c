@@ -412,9 +412,9 @@ static void range_extend(double range[2], double low, double high)
     range[1] = high > range[1] ? high : range[1];
 }
 
-/* Sets the ranges that the axes of the one or two panels show: their fixed ends, or the range of
- * the curves. Outside of planes both panels share the range of x, so that of the first includes all
- * curves. */
+/* Sets reading->x, second_x and y to the ranges that the axes of one or two panels show: their
+ * fixed ends, else the range of the curves in the panel. Outside of planes both panels share the x
+ * axis, so that the range of the first panel includes all curves. */
 static void read_ranges(const struct figure *figure, const struct points *points,
                         struct figure_reading *reading)
 {

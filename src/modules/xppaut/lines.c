@@ -73,8 +73,9 @@ static const char *text_find(struct text text, char c)
     return text.len > 0 ? memchr(text.data, c, text.len) : NULL;
 }
 
-/* Reads an index in brackets, 5, j, j+1, j-1 or j*2, where *j is the index of the array, or NULL
- * outside of arrays. Returns false with an error. */
+/* Reads an index in brackets, 5, j, j+1, j-1 or j*2, into *value; *j is the index of the array, and
+ * j is NULL outside of arrays. `number` is the number of the line, for messages. Returns false with
+ * an error. */
 static bool read_subscript(struct text inside, const long *j, int number, long *value,
                            struct error *error)
 {

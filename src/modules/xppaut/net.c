@@ -74,8 +74,9 @@ static bool find_value(struct ode *ode, const struct ode_symbol *symbol,
     return fine && isfinite(*value);
 }
 
-/* Computes all values of a table when it is first used, with the parameters' values in the file.
- * Returns false with an error, also if the table is used in its own formula (table->begun). */
+/* Computes all values of a table when it is used for the first time, with the parameters' values in
+ * the file. Returns false with an error if a value cannot be computed, if out of memory, or if the
+ * table is used in its own formula (table->begun). */
 static bool find_values(struct ode *ode, struct ode_symbol *symbol)
 {
     struct ode_table *table = symbol->table;

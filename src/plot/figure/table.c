@@ -140,8 +140,9 @@ static bool add_curve(struct drawing *d, const struct table_column *x, const str
     return true;
 }
 
-/* Makes the figure of the columns that the request names. Returns false with an error if one is
- * unknown or units differ. */
+/* Makes the figure of those columns of request->table that the request names, over its horizontal
+ * column; with a single column, rows are grouped into curves by a column of texts. Returns false
+ * with an error if a column is unknown, if units differ, or if no row has numbers. */
 bool drawing_table(struct drawing *d, struct figure *figure)
 {
     const struct figure_request *request = d->request;

@@ -92,8 +92,9 @@ static double turning_point(struct quintic p)
     return root_between(velocity_at, &p, 0, v0, 1, v1, NEAR_REST);
 }
 
-/* Adds the work from the fraction s_begin to s_end of the step, by Lobatto's rule with four
- * points. */
+/* Adds to *work and *drag the work of all forces and of drag between the fractions s_begin and
+ * s_end of the step at time t, whose motion is the quintic *p, by Lobatto's rule with four points.
+ * `drags` tells that drag is the only force that does work. */
 static void quintic_work_add(const struct system *system, bool drags, const struct quintic *p,
                              double t, double s_begin, double s_end, double *work, double *drag)
 {

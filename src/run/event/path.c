@@ -176,11 +176,10 @@ static double piece_value(const struct path_piece *piece, int variable, int degr
     return y;
 }
 
-/*
- * Returns true if the polynomial of part k of `pieces` follows the path at one more place: a motion
- * whose period is a fraction of the step may be the same at all even ones. `resolved` is the share
- * of the motion that it may be off, beside its error.
- */
+/* Returns true if the polynomial of part k of `pieces` equal parts of the step also follows the
+ * path at one more point, at an uneven fraction: a motion whose period is a fraction of the step
+ * may be the same at all even ones. Allowed are the polynomial's error and the share `resolved` of
+ * the motion. */
 static bool is_followed(const struct step_path *path, int k, int pieces, double resolved)
 {
     static const double uneven = 0.6180339887498949; /* fraction of the part */
@@ -197,10 +196,9 @@ static bool is_followed(const struct step_path *path, int k, int pieces, double 
     return fine;
 }
 
-/*
- * Bends the cubic to go through the middle. The error is as large as that changed; returns false if
- * this is too large a share of the motion to bound it.
- */
+/* Replaces the cubic over a step by a quartic that also goes through the state in the middle. The
+ * change is taken as its error. Returns false if that is too large a share of the motion, so that
+ * the path is not resolved. */
 static bool through_middle(struct step_path *path)
 {
     /* the omitted terms are of a higher order and far smaller */

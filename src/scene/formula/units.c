@@ -191,7 +191,9 @@ static struct dimension number_dimension(const struct typed_operand *a, size_t a
     return made;
 }
 
-/* Sets *made to the dimension of a function's value, by the rule of the function. */
+/* Sets *made to the dimension of a function's value from its arguments a [arity], by the rule of
+ * the function. Returns false with c->error if an argument has a dimension that the function does
+ * not allow, or if the arguments' dimensions differ where they must not. */
 static bool call_dimension(struct compiler *c, const struct function *function,
                            const struct typed_operand *a, size_t arity, struct dimension *made)
 {
@@ -408,8 +410,9 @@ bool expr_hint_readings(const struct expr *expr, struct error *error)
     return hint_readings(&expr->typed, error);
 }
 
-/* Compares the dimensions of both sides, and converts the right one between Hz and rad/s if
- * needed. */
+/* Checks that both sides of a comparison have the same dimension. If one is in Hz and the other in
+ * rad/s, *right is replaced by an expression in the arena that is converted. Returns false with
+ * *error if the dimensions differ or if out of memory. */
 bool expr_compare(const struct expr *left, const struct expr **right, struct arena *arena,
                   struct error *error)
 {

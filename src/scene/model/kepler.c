@@ -171,7 +171,9 @@ static void kepler_equation(real alpha, real r0, real sigma, real time, real u[4
     }
 }
 
-/* Computes the exact state, also on parabolas and hyperbolas, and its floor. */
+/* Sets y [4] to the exact state at time t of the motion that starts in `start` at t0, also on
+ * parabolas and hyperbolas. floor [4], unless NULL, receives the change by one ulp of the start,
+ * below which differences mean nothing. */
 static void exact(const struct system *system, double t0, const double *start, double t, double *y,
                   double *floor)
 {

@@ -227,8 +227,9 @@ static bool check_mechanics(const struct compile *c, const unsigned *depends)
     return true;
 }
 
-/* Sets *whole to the sum of all that is typed for a row, in a scene of second order with all forces
- * over the mass; NULL if there is nothing. Returns false with an error. */
+/* Sets *whole to the sum of all that the user typed for a row of the equations of motion, or to
+ * NULL if there is nothing. In a scene of second order it is an acceleration, to which forces
+ * contribute divided by the mass. Returns false with an error. */
 static bool row_sum(struct compile *c, int row, const struct expr **whole)
 {
     struct typed *typed = c->typed;

@@ -84,7 +84,8 @@ static struct drive_part call_of(const char *name, const struct drive_part *argu
     return (struct drive_part){.period = argument[0].period};
 }
 
-/* Returns the value of an operation on `arity` parts. */
+/* Returns what an operation on the operands a [arity] is as a part of a drive: a constant, a
+ * function of time with a period or a rate, or `neither`. */
 static struct drive_part operation_apply(const struct op *op, const struct drive_part *a, int arity)
 {
     static const struct drive_part none = {.known = true};

@@ -183,8 +183,8 @@ const struct recording_field recording_fields[RECORDING_FIELDS] = {
     {IN_RECORDING(velocity, 0, 0), NULL},
 };
 
-/* Writes the command that loads the recording, with a checksum of its file, and commands for its
- * fields. */
+/* Appends the command `load` for the recording, with its options and a checksum of its file, and
+ * the commands that set its other fields, such as its mass. */
 static void save_recording(const struct recording_slot *slot, struct buffer *text)
 {
     const struct recording *recording = slot->recording;

@@ -357,8 +357,9 @@ static void count_lines(const struct recording *recording, const struct collecte
         collected->rate = (struct measured){recording->rate, NAN};
 }
 
-/* Adds warnings to the recording: clocks that were mended, times that come from arrivals, lost
- * lines. */
+/* Adds warnings about the recording's times: how often the device's clock was mended, that times
+ * come from arrivals and how accurate they are, and how many lines were lost, or why that is
+ * unknown. */
 static void warn_clock(struct recording *recording, const struct collected *collected,
                        const struct clock_mended *mended)
 {

@@ -132,7 +132,9 @@ static bool time_costly_point(struct precision_point *point)
     return point->costly;
 }
 
-/* Times all meaningful points side by side, in about `seconds`. */
+/* Measures the computing times of all meaningful points side by side, which takes about `seconds`,
+ * and sets time and, if requested, recording of each point. With TIMING_QUICK costly points are
+ * left out or timed in part. Returns false with *error if out of memory. */
 bool precision_time(const struct precision_request *request, struct precision *precision,
                     double seconds, struct error *error)
 {

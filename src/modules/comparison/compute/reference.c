@@ -174,8 +174,8 @@ static void set_meaning(const struct reference_search *search, const double *a, 
     }
 }
 
-/* Compares a new solution with those of other kinds. If it agrees with one better than any two
- * before, that pair becomes the reference. */
+/* Compares the new solution of this kind of solver with those of the other kinds. If two agree
+ * better than any pair before, that pair becomes the reference, and their distance its accuracy. */
 static void compare_solution(struct reference_search *search, enum solver_kind kind)
 {
     struct reference *reference = search->reference;

@@ -43,7 +43,9 @@ static int edge_number(const struct march *m, int i, int j, bool vertical)
     return vertical ? m->nx * (m->ny + 1) + j * (m->nx + 1) + i : j * m->nx + i;
 }
 
-/* Finds the root on an edge whose ends have different signs, by bisection. */
+/* Finds by bisection where the boundary of a region crosses the edge of a grid cell that begins at
+ * node (i, j) and runs up if `vertical`, else to the right; one end must be inside. Sets root {x,
+ * y}. */
 static void find_root(const struct march *m, int i, int j, bool vertical, double root[2])
 {
     double a[2] = {node_coordinate(m, 0, i), node_coordinate(m, 1, j)},

@@ -224,8 +224,9 @@ static bool add_mode_points(enum region_plane plane, const struct mode *mode, do
     return ok;
 }
 
-/* Appends the scene's modes at its start with the present dt, and for each method the mode that
- * limits it with dt_max. Returns false if out of memory. */
+/* Appends points to the region's diagram: the modes of the scene at its start with the present dt
+ * and, for each of `count` methods, the mode that limits it with dt_max. Returns false if out of
+ * memory. */
 static bool add_points(enum region_plane plane, const struct stability *stability, int count,
                        struct region *region)
 {

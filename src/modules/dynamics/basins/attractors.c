@@ -346,8 +346,10 @@ static bool spread_shrinks(int n, double (*spread)[FIELD_VARIABLES])
     return true;
 }
 
-/* Learns an irregular attractor: the cells that a long motion visits. Returns its index, the fate
- * of the motion if it comes to another attractor or escapes, or BASIN_UNDECIDED. */
+/* Follows a motion for CLOUD_CHECKS checks and, if it remains irregular, adds an attractor that
+ * consists of the cells it visits. Returns the index of that attractor, the fate of the motion if
+ * it comes to a known attractor or escapes, or BASIN_UNDECIDED if the visited region still shrinks,
+ * if out of memory or if cancelled. */
 static int learn_region(struct basin_walk *walk, struct walker *w)
 {
     const int cells = cells_of(walk->n);

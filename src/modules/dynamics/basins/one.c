@@ -24,8 +24,9 @@ static struct basins_request request_of(const struct scene *scene, const struct 
     return request;
 }
 
-/* Follows the motion until it has an attractor. Returns its index, or BASIN_ESCAPES,
- * BASIN_UNDECIDED or BASIN_MISSING if it has none or if cancelled. */
+/* Follows the motion from the scene's start until it has an attractor, which is learned from the
+ * motion itself. Returns the attractor's index, BASIN_ESCAPES, BASIN_UNDECIDED if none was
+ * recognized, or BASIN_MISSING if cancelled or out of memory. */
 static int follow_start(struct basin_walk *walk, const struct cancel *cancel)
 {
     struct stepper *stepper = stepper_create(walk);

@@ -106,7 +106,8 @@ static double next_sample(const struct test_minimum *m, double vertex)
     return vertex;
 }
 
-/* Replaces one of the three samples by the fresh one, so that the least one stays in the middle. */
+/* Takes the fresh sample into the bracket low, middle, high of a minimum, in which the least value
+ * is in the middle; the sample that drops out becomes the memory for the next fresh one. */
 static void narrow(struct test_minimum *m)
 {
     struct test_sample *fresh = m->fresh, **side;

@@ -262,8 +262,10 @@ static enum branch_verdict growth_verdict(const struct side *left, const struct 
     return (left->rate > 0) == (right->rate > 0) ? VERDICT_SAME_GROWTH : VERDICT_CONFIRMED;
 }
 
-/* Returns the verdict on a fold: both arms must be on one side of it, with different stability, and
- * the other side empty. */
+/* Returns the verdict on a fold: solutions must exist on both arms, which lie on the same side of
+ * its parameter with different stability, and none on the other side. `arm` is the length along the
+ * branch at which the arms are looked at. VERDICT_OPEN means that the parameter changes too little
+ * to decide. */
 static enum branch_verdict confirm_fold(const struct branch_request *r,
                                         const struct branch_point *special, double arm)
 {

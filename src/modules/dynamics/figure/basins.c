@@ -132,9 +132,9 @@ static void put_letter(struct letters *l, double x, double y)
     l->y[l->curve->n++] = y;
 }
 
-/* Places columns x rows letters evenly over the map, each that of the nearest start. A fate that
- * gets no letter this way gets one at its first start. Returns false with d->error if out of
- * memory. */
+/* Draws columns x rows letters evenly over the map of basins, each that of the nearest start's
+ * fate. A fate that gets no letter this way gets one at its first start. Returns false with
+ * d->error if out of memory. */
 static bool put_letters(struct drawing *d, const struct grid *g, size_t columns, size_t rows)
 {
     struct letters fate_letters[FATE_KINDS + 1] = {{NULL, NULL, NULL}};

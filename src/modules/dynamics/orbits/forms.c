@@ -199,7 +199,9 @@ static void complex_vector_rotate(int n, double *re, double *im)
     }
 }
 
-/* Computes the eigenvectors; NAN where one is not found. */
+/* Sets form->re and im to the eigenvectors of the Jacobian [n x n] for the eigenvalues in
+ * *solution, with the largest component real; the second of a complex pair is the conjugate of the
+ * first. Vectors that are not found are NAN. */
 static void find_vectors(int n, const double *jacobian, const struct solution *solution,
                          struct equilibrium_form *form)
 {

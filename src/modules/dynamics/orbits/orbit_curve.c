@@ -125,8 +125,9 @@ static void put_phase(const struct orbit_curve *c, const double *u, double *f, d
     }
 }
 
-/* Computes the shooting equations and their derivatives, and stores the maps of the segments.
- * Returns false if a flow cannot be followed or if cancelled. */
+/* Computes the shooting equations f of a periodic orbit and their derivatives, jacobian, at the
+ * unknowns u; context is the struct orbit_curve, in which the maps of the segments are stored.
+ * Returns false if a segment cannot be followed or if cancelled. */
 static bool residual(void *context, const double *u, double *f, double *jacobian)
 {
     struct orbit_curve *c = context;

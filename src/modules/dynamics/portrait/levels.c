@@ -81,8 +81,9 @@ static void add_level_segment(struct marching *m, const double a[2], const doubl
 
 /* ---- cells ---- */
 
-/* Adds the segments of one cell. Its corners, in turn, are x, y and value each; 0 counts as
- * positive. */
+/* Adds the segments of the level line in one cell. The corners, in turn, are {x, y, value}, and 0
+ * counts as positive. A cell with four crossings has a saddle, and the value in its middle decides
+ * how they are joined. */
 static void march_cell(struct marching *m, double corner[4][3])
 {
     double crossings[4][2];

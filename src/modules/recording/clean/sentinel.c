@@ -170,8 +170,9 @@ static double neighbour_rank(const struct sentinel_search *s, bool is_upper)
     return is_upper ? mean : 1 - mean;
 }
 
-/* Returns true if the others are correlated with their neighbours, one or two rows away. Extreme
- * values are limited, so that a second sentinel does not hide it. */
+/* Returns true if the samples other than the suspected sentinel value are correlated with their
+ * neighbours, one or two rows away, and so belong to a motion. Extreme values are limited, so that
+ * a second sentinel does not hide the correlation. */
 static bool others_are_motion(const struct sentinel_search *s)
 {
     const size_t outer = (size_t)(outer_share * (double)s->others);

@@ -68,8 +68,9 @@ static bool is_rounding(const struct motion *m)
     return true;
 }
 
-/* Returns true if the sine leaves more power, beside noise, than it leaves of a square wave: a
- * quarter of its own power. Flat tops then do not explain the misfit. */
+/* Returns true if the residuals of the sine, beside noise, have more power than those of a square
+ * wave would have: a quarter of the sine's own power. Flat tops (clipping) then do not explain the
+ * misfit. */
 static bool is_no_sine(const struct motion *m)
 {
     /* a quarter, with a margin */

@@ -246,7 +246,8 @@ static void cell_positions(struct text_table *table, const struct finding *findi
     cell_take(table, &text);
 }
 
-/* Appends the size of a finding in its own quantity; nothing if it has no size. */
+/* Appends the size of the finding of this kind with its unit, e.g. the length of a gap [s] or the
+ * height of a spike, or nothing if it has none. */
 static void put_size(struct buffer *text, const struct recording *recording, size_t kind)
 {
     const struct finding *finding = &recording->findings->finding[kind];

@@ -232,7 +232,9 @@ static void say_undecided(const struct law_evidence *e, int simple, const struct
         buffer_char(text, ')');
 }
 
-/* Appends the evidence for the claimed law. */
+/* Appends the evidence for the claimed law, candidate number `best`: by how much BIC is lower than
+ * that of the next law or of the law with one term less, the F-test, and what a further term would
+ * explain. */
 static void say_claimed(const struct law_evidence *e, int best, const struct drag_fit *drag,
                         struct buffer *text)
 {

@@ -90,8 +90,9 @@ static bool place_cycle(const struct cycles *c, double expected, double reach, s
     return fit_cycle(c, t, &row, result) > 0 && result->height > 0;
 }
 
-/* Sets the shape to the mean of cycles begin to end - 1, each less its mean and divided by its
- * height. Returns false if a bin stays empty. */
+/* Sets c->shape to the mean of cycles begin to end - 1, each less its mean and divided by its
+ * height, in bins over the period, with weights by height; the shape continues periodically by a
+ * bin before and two behind. Returns false if a bin stays empty or the shape is constant. */
 static bool mean_shape(struct cycles *c, size_t begin, size_t end)
 {
     const struct samples *x = c->samples;

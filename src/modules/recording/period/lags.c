@@ -35,9 +35,9 @@ static void sinc_weights(double part, double *weight)
         weight[j] /= sum;
 }
 
-/* Returns true if a series resembles itself much less a few samples later than at its best, so that
- * it consists of pulses of few samples. Their positions between samples then matter more than their
- * likeness. */
+/* Returns true if the series consists of pulses of a few samples: its correlation [n lags] at a few
+ * samples is much smaller than the best one at larger lags. The positions of such pulses between
+ * samples matter more than their similarity. */
 static bool is_narrow(const double *correlation, size_t n)
 {
     enum { NEAR = 4, FAR = 16 };

@@ -294,8 +294,9 @@ static void session_run_order(struct session *session, int index, uint64_t run_i
     }
 }
 
-/* Restores everything from the records. Runs and recordings change the set-up, indices and numbers
- * while they are added, so that these are read after them. */
+/* Restores the session from the records of its file. Runs and recordings change the set-up, indices
+ * and numbers while they are added, so that these are read after them. Parts that are damaged are
+ * left out with a note. */
 static void read_all(struct reader *reader)
 {
     struct session *session = reader->session;

@@ -334,8 +334,8 @@ static bool put_recording(struct output *output, struct recording_slot *slot)
     return record_end(output, RECORD_BYTES);
 }
 
-/* Writes a module's content that is written once, such as the curve of a fit, unless the file has
- * it. Returns false with an error, or if stopped. */
+/* Writes the bytes of a module that are written only once, such as the curve of a fit, unless the
+ * file has them (by their checksum). Returns false with an error, or if stopped. */
 static bool put_content(struct output *output, const struct session_part *part)
 {
     struct stored *stored = output->stored;

@@ -38,8 +38,8 @@ static double start_slope(const struct scene *scene, const struct system *system
     return (moved.start[i] - system->start[i]) / (other.value[param] - scene->value[param]);
 }
 
-/* Lets a scene start at a state when its own start cannot be bound: takes the parameters' values
- * that bind within a box of this one point. Returns false with an error. */
+/* Makes a scene start at `state` [n] when its own start cannot be bound: takes the parameter values
+ * that scene_bind_inside() finds for a region of this one point. Returns false with an error. */
 static bool start_inside(struct scene *scene, const double *state, struct error *error)
 {
     struct scene moved = *scene;

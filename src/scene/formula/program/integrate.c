@@ -114,8 +114,9 @@ static int derivative(struct integration *integration, int i)
 
 /* ---- quotients that do not depend on x ---- */
 
-/* Returns true if all operations of the node on x are analytic, so that a value that is constant at
- * some x is constant everywhere. */
+/* Returns true if node i of the graph is an analytic function of x, so that a value that is
+ * constant at some x is constant everywhere: none of its operations on x is a step, a comparison,
+ * an absolute value or similar. */
 static bool is_analytic(struct integration *integration, int i)
 {
     static double (*const steps[])(double) = {floor, ceil, round, function_sign, function_step};
