@@ -13,9 +13,10 @@ struct catalog;
 
 /* Executes one line, which may contain several statements. Each statement is atomic: everything is
  * checked before the session changes. The first error ends the line: it is written to the reply,
- * session->execution.status is set, and the result is false. `where` is the line's origin, or NULL.
- * May be called again by front.slice() during a run; commands that would disturb the run are then
- * refused. Pausing a run ends the line, with a note if statements remain. */
+ * session->execution.status is set, and the result is false. `where` is the line's origin, or NULL
+ * if it has none. front.slice() may call the function again while a statement advances a run;
+ * commands that would disturb that run are then refused. If a run is paused the remaining
+ * statements of the line are skipped, with a note. */
 bool command_exec(struct session *session, struct text line, const struct source *where,
                   struct reply *reply);
 
@@ -25,14 +26,15 @@ bool command_exec(struct session *session, struct text line, const struct source
 struct script {
     /* Position of the current line. */
     struct source where;
-    /* Lines that are joined to the next one. */
+    /* Text of lines that ended in a backslash, to which the next line is joined. */
     struct buffer pending;
-    /* Pieces of the joined line; further ones count as part of the last. */
+    /* [pieces] positions of the lines in `pending`. If there are more than 64 lines, the last piece
+     * also covers the further ones. */
     struct source_piece piece[64];
     int pieces;
-    int commands; /* session->history.done at the start. */
-    /* All commands succeeded so far; the script has stopped. */
-    bool ok, stopped;
+    int commands; /* Value of session->history.done at the start, to count the script's commands. */
+    bool ok,      /* All commands have succeeded so far. */
+        stopped;  /* An error or a paused run has ended the script. */
 };
 
 /* Begins a script with this name for messages; `parent` is the line that executes it, or NULL. */
@@ -50,29 +52,30 @@ bool script_end(struct script *script, struct session *session, struct reply *re
 bool script_file(struct session *session, const char *path, const struct source *parent,
                  struct reply *reply);
 
-/* Returns the path of a file that the line at `where` names: unchanged or, if there is no such
- * file, relative to the folder of the script that contains the line, if it exists there. The path
- * is the arena's. Returns NULL if out of memory. */
+/* Returns the path of the file `name` in the line at `where`. If no file has this path, but one has
+ * the path relative to the folder of the script that contains the line, returns the latter; else
+ * `name` unchanged. The path is the arena's. Returns NULL if out of memory. */
 char *script_path(const struct source *where, struct text name, struct arena *arena);
 
 /* ---- completion ---- */
 
-/* Offers candidates for the word that ends at byte `cursor`, by the type of the argument there,
- * each with a line of explanation ("" if none), and sets *start to the offset [byte] of the word.
- * If a file name is possible, which the front end completes, returns the ending of such files, ""
- * for any; else NULL. */
+/* Completes the word of the line that ends at byte `cursor`: calls offer(context, candidate, brief)
+ * for each candidate, where `brief` is a line of explanation or "", and sets *start to the offset
+ * [byte] of the word. If a file name is possible, which the front end completes, returns the ending
+ * of such files ("" for any file); else returns NULL. */
 const char *command_complete(struct session *session, struct text line, size_t cursor,
                              size_t *start,
                              void (*offer)(void *context, const char *candidate, const char *brief),
                              void *context);
 
-/* Appends the command that explains the word at the cursor: "help compare dt=" inside dt=5ms, "help
- * measure period", "help k" in an expression, "help run" at a number, "help" without a word. */
+/* Appends the command that explains the word of the line at byte `cursor`, such as "help compare
+ * dt=" inside dt=5ms, "help k" in an expression, "help run" at a number of that command, or "help"
+ * if there is no word. */
 void help_line(struct text line, size_t cursor, struct buffer *text);
 
 /* ---- the catalog of commands, from which the manual and completion are made ---- */
 
 /* All commands, struct command. */
 extern const struct catalog command_catalog;
-/* Returns the command that has this flag, which exactly one must have. */
+/* Returns the only command that has this flag; it must be a flag that exactly one command has. */
 const struct command *command_with(enum command_flag flag);

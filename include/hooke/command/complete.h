@@ -8,10 +8,12 @@
 
 /* ---- candidates of each kind ---- */
 
-/* Completes `atol`: variables of the scene, or values if `named`. */
+/* Completes the arguments of `atol`: variables of the scene or, if `named` (a variable precedes),
+ * values. */
 void complete_atol(struct completion *c, bool named);
 void complete_topics(struct completion *c); /* Offers the topics of help. */
-/* Completes the value of NAME in `set`: its units, or the choices of the setting. */
+/* Completes the value of the parameter or setting `name`: units, or the choices of the setting.
+ * `preceding` is the text to the left of the word at the cursor, here and below. */
 void complete_set(struct completion *c, struct text name, struct text preceding);
 
 /* ---- position of the cursor ---- */
@@ -23,12 +25,12 @@ int count_words(struct text text);
 /* Completes the words, keys and options that may come next in the command, and the next positional
  * argument. */
 void complete_next(struct completion *c, const struct command *command, struct text preceding);
-/* Returns true if the word is an item behind NAME=, or behind a comma or colon after it; sets *name
- * to the last such name, or to the empty text. */
+/* Sets *name to the last NAME of a NAME= in the text, or to an empty text if there is none. Returns
+ * true if the word at the cursor is an item of NAME=, since '=', a comma or a colon precedes it. */
 bool complete_is_item(struct text preceding, struct text *name);
-/* Completes NAME=FROM:TO for parameters of the scene, dt and tol. */
+/* Completes NAME=FROM:TO, where NAME is a parameter of the scene, dt or tol. */
 void complete_grid(struct completion *c, const struct command *command, struct text preceding);
 
-/* Completes a statement that defines a scene or an event; `rest` is the text between the command
- * and the word. */
+/* Completes a statement that defines a part of a scene or an event; `rest` is the text between the
+ * command's name and the word at the cursor. */
 void complete_formula(struct completion *c, const struct command *command, struct text rest);

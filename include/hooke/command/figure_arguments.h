@@ -7,14 +7,15 @@
 
 #include <hooke/plot.h>
 
-/* Sets the kind of plot, or the columns of runs or of a result over time or against another, from
- * the arguments. Returns false with `error` set. */
+/* Sets kind, columns and table of *request from the arguments: a plot of the catalog, or columns of
+ * runs or of a result, over time or against another column. Returns false with `error` set. */
 bool choose_figure(const struct arguments *args, struct figure_request *request,
                    struct error *error);
 
 /* Makes the figure for the runs, recordings, window and ranges of the arguments; kind, width and
- * charset of *request must be set. Methods after the name of a study's plot are studied first,
- * which adds notes to the reply. Memory is the statement's arena. Returns false with `error` set.
+ * charset of *request must be set. If methods follow the name of a study's plot, these
+ * methods are studied first, which may add notes to the reply. Memory is the statement's arena.
+ * Returns false with `error` set.
  */
 bool make_figure(struct session *session, const struct arguments *args,
                  struct figure_request *request, struct figure *figure, struct reply *reply,
@@ -25,7 +26,8 @@ bool make_figure(struct session *session, const struct arguments *args,
 bool label_curves(const struct session *session, const struct figure_request *request,
                   struct arena *arena, struct figure *figure, struct error *error);
 
-/* Arguments of both commands; WHAT and special arguments come before and behind them. */
+/* Arguments of both commands, for their rows. WHAT comes before them; arguments that only one of
+ * the commands has come behind them. */
 #define FIGURE_ARGUMENTS                                                                           \
     WORD("against", TYPE_COLUMN, .flags = ARG_OF), WORD("at", TYPE_EVENT),                         \
         WORD("of", TYPE_CHOICE, .choices = &result_catalog),                                       \

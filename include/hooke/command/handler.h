@@ -57,99 +57,109 @@ struct row;
 #define COMMAND(...)
 #endif
 
-/* Computes slope [n + 1], the derivatives of the value of an expression by the state of the run and
- * by time, by finite differences. Returns false if the expression cannot be evaluated near the
- * current state. */
+/* Computes the derivatives of an expression's value with respect to each of the n variables of the
+ * run and to time, by finite differences, and sets slope [n + 1] to them. `value` is a parser at
+ * the beginning of the expression, `what` the name of the value in messages, `quantity` the
+ * quantity that the value must have. Returns false if the expression cannot be evaluated near the
+ * current state of the run. */
 bool find_slopes(const struct parser *value, struct run *run, const char *what,
                  enum quantity quantity, double *slope);
-/* Returns true for a value that commands of an event set and that depends on the state of the run.
- */
+/* Returns true if commands of an event are being executed in an adaptive run and the expression at
+ * `value` depends on the state of the run or on time. */
 bool value_depends(struct session *session, const struct parser *value);
-/* Marks the derivatives of the last jump of the current run as unknown. */
+/* Marks the derivatives of the last jump of the current run (run_set_jump_slopes()) as unknown, so
+ * that no error is estimated beyond the jump. */
 void forget_jump_slopes(struct session *session);
 /* Returns a parser for the argument VALUE of a statement NAME = VALUE, for read_value(). */
 struct parser value_parser(struct session *session, const struct arguments *args);
-/* Reads a value and refuses remaining text. Returns false with `error` set. */
+/* Reads a value of this quantity into *item by parse_value(). Returns false, with `error` set, if
+ * there is none or if text remains behind it. */
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
                 struct error *error);
 
-/* Returns false, with `error` set, if standard input ('-') is not free for data because commands
- * come from it. */
+/* Returns false, with `error` set, if the file name `where` is "-" (standard input) and commands
+ * are read from there, so that it cannot contain data; else true. */
 bool check_input(const struct session *session, struct text where, struct error *error);
 
 /* ---- replies that fit on one screen ---- */
 
 /* Returns true if the statement has the option --full. */
 bool asks_full(const struct arguments *arguments);
-/* Smallest size of a screen [row, cell] for which text is shortened: on smaller screens it scrolls.
+/* Smallest size of a screen for which replies are shortened to fit; on smaller screens they scroll.
  */
 enum { ANSWER_ROWS_MIN = 22 /* [row] */, ANSWER_WIDTH_MIN = 80 /* [cell] */ };
-/* Returns the number of rows of a reply that fits below the line that was typed. */
+/* Returns the largest number of rows of a reply for which the typed line remains visible above it.
+ */
 int answer_rows(const struct session *session);
 /* Returns the number of rows of a text on a screen of this width [cell]. */
 int text_rows(struct text text, int width);
 
-/* Replies with the line and the record of a table that was written to a file. */
+/* Replies, with a line and a record, that the table was written to `file`. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table);
 
 /* ---- replies about runs ---- */
 
 /* Returns true if a task with this predicted time [s] needs --force or a confirmation. */
 bool takes_long(double seconds);
-/* Returns true if a task with this predicted time [s] may start: it is short, --force was given, or
- * the user at the prompt has confirmed it. Otherwise returns false with `error` set. */
+/* Returns true if a task with this predicted time [s] may start, because it is short, --force was
+ * given (`force`), or the user at the prompt has confirmed it. Otherwise returns false with `error`
+ * set. `steps` is the predicted number of steps, for the message. */
 bool allow_long(struct session *session, double seconds, double steps, bool force,
                 struct error *error);
 /* Replies with the line and the record of a run's current state. */
 void reply_run(const struct session *session, const struct run *run, struct reply *reply);
-/* Warns of what is wrong with a run or its steps, of most things once per run. */
+/* Warns of problems of a run and its steps; most warnings are given once per run. */
 void reply_run_warnings(struct run *run, struct reply *reply);
-/* Warns once if a step had little to do with the solution (struct unsound_step). */
+/* Warns once per run if the result of a step has little to do with the solution (struct
+ * unsound_step). */
 void reply_unsound(struct run *run, struct reply *reply);
-/* Notes variables that are so small that no digit is reliable. */
+/* Adds a note about variables that are so small that none of their digits is reliable. */
 void reply_below_tolerance(const struct run *run, struct reply *reply);
-/* Computes the estimated error of a run with the effort of `set opinion`, if the reply shows it. */
+/* Computes the estimated error of a run (run_second_opinion()) with the effort that the setting
+ * opinion allows, if the reply will show it. */
 void seek_opinion(const struct session *session, struct run *run, const struct reply *reply);
-/* Appends the cost of the estimated error to the text of `plan`. */
+/* Appends a line about the cost of the error estimate to the text of `plan`. */
 void plan_opinion(const struct session *session, const struct system *system,
                   const struct plan *plan, struct buffer *text);
 /* Replies with a line about the estimated error, and a warning if it is large. Returns false, with
  * `error` set, if no digit of the result is correct. */
 bool reply_opinion(const struct session *session, struct run *run, struct reply *reply,
                    struct error *error);
-/* Warns of a state whose squares underflow. */
+/* Warns if variables are so small that their squares, and so the energy, underflow to 0. */
 void reply_tiny(const struct run *run, struct reply *reply);
-/* Notes once which method is used for a typed scene while the user has not set one. */
+/* Warns once per session that a typed scene is integrated by the default method, if the user has
+ * not chosen one. */
 void reply_unchosen(struct session *session, struct reply *reply);
-/* Notes once for each typed scene which duration, tolerance and first step are used while the user
- * has not set them. `adapts` if step-size control uses the last two; by_setting if the setting
- * duration is used. */
+/* Replies once for each typed scene with the values of those settings that the user has not set:
+ * the duration if `by_setting` (the statement uses the setting and gives none itself), and the
+ * tolerance and first step if `adapts` (the method adapts its steps). */
 void reply_assumed(struct session *session, bool adapts, bool by_setting, struct reply *reply);
-/* Notes that a study uses the duration that is set although the current run was longer. */
+/* Adds a note that a study uses the setting duration although the current run is longer. */
 void reply_shorter(const struct session *session, struct reply *reply);
 /* Warns if the method that is set cannot be applied to the scene, with advice. */
 void reply_inapplicable(const struct session *session, struct reply *reply);
-/* Warns of a step that is too long for the period. */
+/* Warns if the steps of a run are too long to resolve the period of its scene. */
 void reply_coarse(const struct session *session, const struct run *run, struct reply *reply);
 
-/* Shows the progress of a study, a fraction, or 2 when it has ended; `context` is the session's
- * struct front. */
+/* Shows the progress of a study by the front end. `fraction` is the completed fraction, or 2 when
+ * the study has ended; `context` is the session's struct front. */
 void report_fraction(void *context, double fraction);
 
-/* Returns false, with `error` set, if the setting starts a program and the statement does not come
- * from a prompt, or with --safe. */
+/* Returns true if the statement at `where` may change the setting. Returns false, with `error` set,
+ * for a setting that starts another program if the statement was not typed at a prompt, or if the
+ * option --safe is given. */
 bool check_typed(const struct session *session, const struct setting *setting,
                  const struct source *where, struct error *error);
 /* Handler of `set`, which other commands call. */
 bool command_set(HANDLER_PARAMETERS);
-/* Adds an event with this name and the rule "when EXPR do …" to the set-up. Returns false with
- * `error` set. */
+/* Adds an event with this name and rule, such as "when EXPR do …", to the set-up. Returns false
+ * with `error` set. */
 bool event_add(struct session *session, struct arena *arena, struct text name, struct text rule,
                struct error *error);
-/* Stores the current scene, if all of it was typed, so that `scene NAME` finds it. Returns false,
- * with `error` set, if there are too many. */
+/* Stores the current scene in setup.own if all of its equations were typed, so that `scene NAME`
+ * finds it. Returns false, with `error` set, if too many scenes are stored. */
 bool keep_own_scene(struct session *session, struct error *error);
-/* Choices of arguments. */
+/* Choices of arguments: actions of `cursor`, names of axes, names for `unset`, topics of guides. */
 extern const struct catalog cursor_action_catalog, axis_catalog, unset_catalog, guide_catalog;
 
 /* Replies with a row as `list` shows it: a line, and a record of its catalog's kind. */

@@ -12,16 +12,17 @@ struct value_grid {
     double first, last; /* First and last value [SI]. */
     /* Number of values. */
     int count;
-    bool log; /* Values are in a geometric sequence. */
+    bool log; /* Values form a geometric sequence, as with xFACTOR. */
 };
 
 /* Number of values if no step is given. */
 enum { GRID_VALUES_USUAL = 51 };
 
-/* Reads FROM:TO, FROM:TO:STEP or FROM:TO:xFACTOR, with nothing behind it. `last` becomes the last
- * value that the steps reach. Returns false with `error` set. */
+/* Reads FROM:TO, FROM:TO:STEP or FROM:TO:xFACTOR, after which no text may remain. grid->last
+ * becomes the last value that the steps reach, which may be before TO. Returns false with `error`
+ * set. */
 bool parse_grid(struct parser *parser, struct value_grid *grid, struct error *error);
 
-/* Removes the next NAME=… or --option from *rest and returns it: the text up to a blank before the
- * next one, or before the word `at`. */
+/* Removes the first argument NAME=… or --option from *rest and returns its text, which ends before
+ * the next argument of this form or before the word `at`. */
 struct text next_key_argument(struct text *rest);
