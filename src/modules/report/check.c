@@ -57,7 +57,7 @@ static const struct recording *recording_from_folder(const struct session *sessi
 
 /* Returns true if the line describes such a recording: number of rows and separator are those of
  * recording-N.csv and differ from those of the file. */
-static bool describes_folder_recording(const struct session *session, struct text line)
+bool check_describes_recording(const struct session *session, struct text line)
 {
     for (int i = 0; i < session->recordings; i++) {
         struct buffer description = {0};
@@ -75,7 +75,7 @@ static bool describes_folder_recording(const struct session *session, struct tex
 }
 
 /* Returns true if a line of the text, without blanks around it, is `wanted`. */
-static bool has_line(struct text text, struct text wanted)
+bool check_has_line(struct text text, struct text wanted)
 {
     struct text line;
     while (text.len > 0 && text_split(&text, '\n', &line))
@@ -96,7 +96,8 @@ static void compare_lines(struct check *check, const char *file, struct text han
         for (size_t i = 0; i < line.len; i++)
             digit |= line.data[i] >= '0' && line.data[i] <= '9';
         if (digit && line.data[0] != '#' && !text_starts(line, TEXT("<h")) &&
-            !has_line(handed, line) && !describes_folder_recording(check->report.session, line))
+            !check_has_line(handed, line) &&
+            !check_describes_recording(check->report.session, line))
             check_differs(check, file, "this line is missing", line);
     }
 }
@@ -163,6 +164,8 @@ static bool compare_file(void *context, const char *name, struct text repeated, 
     const bool prose = ends_in(name, ".md") || ends_in(name, ".html") || ends_in(name, ".tex");
     const bool figure = text_starts(text_of(name), TEXT("figure-"));
     (void)error;
+    if (strcmp(name, "report.md") == 0)
+        buffer_put(&check->repeated, repeated);
     if (strcmp(name, "session.hk") == 0 || (copy && !is_handed(check, name)) ||
         !read_handed(check, name, &handed)) {
         buffer_free(&handed);
@@ -357,6 +360,7 @@ static void check_free(struct check *check)
 {
     buffer_free(&check->failure);
     buffer_free(&check->empty);
+    buffer_free(&check->repeated);
     buffer_free(&check->name);
     arena_reset(&check->arena);
     free(check);

@@ -15,6 +15,7 @@ struct check {
     struct buffer failure;                   /* the first error of the session */
     int values, figures, files, differences; /* number of those compared, and of differences */
     int wrong_values, wrong_figures, changed_lines, missing_files;
+    struct buffer repeated;     /* report.md as the session gives it; empty if it gives none */
     int answers, empty_answers; /* questions of report.md with and without an answer */
     struct buffer empty;        /* questions without an answer: "Q1 Q3" */
     struct buffer name;         /* text behind "Name:" */
@@ -35,10 +36,10 @@ struct checked {
  * figures byte by byte, and of documents the lines that hold digits. Adds the record `check` of
  * each: differences [{file, what, detail}], folder, agrees, values, figures, files, moved, name,
  * complete, values_right, figures_agree, changed, answers, empty, copy. In CSV it is one row for
- * each folder. Returns the exit status: how many differ, at most CHECK_STATUS_MAX; ERROR_USAGE if
- * the only folder has no session to run.
+ * each folder. Returns the exit status: how many differ, at most CHECK_STATUS_MAX, above which
+ * shells report signals; ERROR_USAGE if the only folder has no session to run.
  */
-#define CHECK_STATUS_MAX 100
+#define CHECK_STATUS_MAX 125
 int hand_ins_check(struct session *session, const char *const *folder, int folders,
                    struct reply *reply);
 
@@ -46,6 +47,11 @@ int hand_ins_check(struct session *session, const char *const *folder, int folde
  * report.html (empty text if a file is missing), and stores them in *check. */
 void check_answers(struct check *check, struct text report, struct text page);
 
+/* Returns true if a line of the text, without blanks around it, is `wanted`. */
+bool check_has_line(struct text text, struct text wanted);
+/* Returns true if the line describes a recording that was read from recording-N.csv of the folder:
+ * number of rows and separator differ from those of its file. */
+bool check_describes_recording(const struct session *session, struct text line);
 /* Reports one difference: the file, what is wrong with it, and a detail that is cut where it is
  * long. */
 void check_differs(struct check *check, const char *file, const char *what, struct text detail);

@@ -65,37 +65,70 @@ static void count_answer(struct check *check, struct text question, bool written
                       question.data);
 }
 
+/* Returns the number of a question, "Q3", if the line is its heading, else an empty text. */
+static struct text question_number(struct text line)
+{
+    size_t begin = 0, end;
+    if (!is_heading(line))
+        return TEXT("");
+    while (line.data[begin] == '#' || line.data[begin] == ' ')
+        if (++begin == line.len)
+            return TEXT("");
+    for (end = begin + 1; end < line.len && line.data[end] >= '0' && line.data[end] <= '9';)
+        end++;
+    const bool is_question =
+        line.data[begin] == 'Q' && end > begin + 1 && end < line.len && line.data[end] == '.';
+    return is_question ? (struct text){line.data + begin, end - begin} : TEXT("");
+}
+
+/* Returns true if the student has added the line: prose that is not in the report that the session
+ * gives. Lines of tables, lists and figures are excluded, since their numbers may be changed. */
+static bool is_added(const struct check *check, struct text line)
+{
+    const struct text repeated = buffer_text(&check->repeated);
+    line = text_trim(line);
+    return repeated.len > 0 && is_written(line) && !strchr("#|-!<", *line.data) &&
+           !check_has_line(repeated, line) &&
+           !check_describes_recording(check->report.session, line);
+}
+
 /* Reads from report.md (`report`) and report.html (`page`), empty if missing, the name, the number
- * of answers and those that are empty, and a checksum of all else into *check. Lines between
- * "Answer:" and the next heading belong to the answer; they, the name and the date are left out of
- * the checksum. */
+ * of answers and those that are empty, and a checksum of all else into *check. Lines behind
+ * "Answer:" belong to the answer up to the next heading that the report wrote, and so do lines that
+ * the student has added anywhere before the next question; they, the student's own headings, the
+ * name and the date are left out of the checksum. */
 void check_answers(struct check *check, struct text report, struct text page)
 {
     static const struct text name = {"Name:", 5}, date = {"Date:", 5}, answer = {"Answer:", 7};
+    const struct text repeated = buffer_text(&check->repeated);
     struct text rest = report, line, question = TEXT("");
-    struct buffer unanswered = {0};
+    struct buffer own = {0};
     bool written = false, is_answer = false;
     put_field_value(report, name, &check->name);
     while (rest.len > 0 && text_split(&rest, '\n', &line)) {
-        if (is_heading(line) && (is_answer || memmem(line.data, line.len, " Q", 2))) {
+        const struct text number = question_number(line);
+        const bool is_own_heading =
+            is_heading(line) && repeated.len > 0 && !check_has_line(repeated, text_trim(line));
+        bool is_left_out = is_answer || is_own_heading;
+        if (number.len > 0) {
             count_answer(check, question, written, page);
-            const char *number = memmem(line.data, line.len, " Q", 2);
-            const char *point =
-                number ? memchr(number, '.', line.len - (size_t)(number - line.data)) : NULL;
-            question = point ? (struct text){number + 1, (size_t)(point - number - 1)} : TEXT("");
-            written = is_answer = false;
+            question = number;
+            written = is_answer = is_left_out = false;
+        } else if (is_heading(line)) {
+            is_answer &= is_own_heading;
+            is_left_out = is_own_heading;
         } else if (text_starts(line, answer) && question.len > 0) {
-            is_answer = true;
-            written = is_written((struct text){line.data + answer.len, line.len - answer.len});
-        } else if (is_answer) {
-            written |= is_written(line);
+            is_answer = is_left_out = true;
+            written |= is_written((struct text){line.data + answer.len, line.len - answer.len});
+        } else if (question.len > 0 && (is_answer ? is_written(line) : is_added(check, line))) {
+            written = is_left_out = true;
         }
-        if (!is_answer && !text_starts(line, name) && !text_starts(line, date)) {
-            buffer_put(&unanswered, text_trim(line)); /* an editor may add carriage returns */
-            buffer_char(&unanswered, '\n');
+        if (!is_left_out && !text_starts(line, name) && !text_starts(line, date)) {
+            buffer_put(&own, text_trim(line)); /* an editor may add carriage returns */
+            buffer_char(&own, '\n');
         }
     }
     count_answer(check, question, written, page);
-    check->sum = unanswered.len ? bytes_sum(buffer_text(&unanswered)) : 0;
-    buffer_free(&unanswered);
+    check->sum = own.len ? bytes_sum(buffer_text(&own)) : 0;
+    buffer_free(&own);
 }

@@ -16,7 +16,9 @@ const struct module report_module = {
         {
             .word = "check",
             .shown = " DIR ...",
-            .brief = "run session.hk of each hand-in again and compare its values and figures",
+            .brief = "run session.hk of each hand-in again and compare its values and figures;\n"
+                     "                           status: the number of hand-ins that differ, at "
+                     "most 125",
             .wants = "folders",
             .takes_first = true,
             .run = hand_ins_check,

@@ -209,6 +209,34 @@ changed
 checks bad 1 'report.html: it cannot be read'
 ok "a file that is too large" $?
 
+# ---- where answers are written ----
+changed
+awk '{print} /Q3\./ {q = 3} q == 3 && /^Answer:/ {print ""; print "## My reasons"; print ""; print "It grows at every step."; q = 0}' good/report.md >bad/report.md
+checks bad 0 '9 answers are empty: Q1 Q2 Q4'
+ok "an answer under a heading of one's own" $?
+awk '/Q3\./ {print; print ""; print "It grows at every step."; next} {print}' good/report.md >bad/report.md
+checks bad 0 '9 answers are empty: Q1 Q2 Q4'
+ok "an answer above the line for it" $?
+awk '/Q3\./ {q = 1} q && /^Answer:/ {print "It grows."; q = 0; next} {print}' good/report.md >bad/report.md
+checks bad 0 '9 answers are empty: Q1 Q2 Q4'
+ok "an answer in place of the line for it" $?
+awk '{print} /Q3\./ {q = 1} q && /^### / && !/Q3\./ {print ""; print "It grows."; q = 0}' good/report.md >bad/report.md
+checks bad 0 '9 answers are empty: Q1 Q2 Q4'
+ok "an answer below the next heading of the report" $?
+(cd away && rm -f ../bad/recording-1-bare.txt && cp ../good/report.md ../bad/ && "$hooke" -n --check ../bad >../out 2>&1); grep -q '10 answers are empty' out
+ok "the description of a recording from the folder is no answer" $?
+
+# ---- the status ----
+"$hooke" -n --check good bad nowhere good >out 2>&1
+[ $? -eq 1 ] && "$hooke" -n --help | grep -q 'status: the number of hand-ins that differ, at most 125'
+ok "the help says that the status is a number" $?
+"$hooke" -n --check $(printf 'nowhere %.0s' $(seq 130)) >out 2>&1
+[ $? -eq 125 ] && grep -q '^130 hand-ins: 0 agree, 130 differ' out
+ok "130 that differ: 125, above which shells tell of signals" $?
+"$hooke" -n --check $(printf 'nowhere %.0s' $(seq 124)) good >out 2>&1
+[ $? -eq 124 ]
+ok "124 that differ" $?
+
 # ---- honest hand-ins, away from their recordings: units, digits, zeros ----
 honest=8
 [ "${LONG:-}" ] && honest=100
