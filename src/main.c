@@ -38,25 +38,26 @@ static bool option_setting(struct session *session, const char *name, const char
     return true;
 }
 
-/* Returns true if no commands are read from standard input, so that a command may read data
- * there. */
+/* Returns true if standard input is not read for commands, so that a command may read data there:
+ * in batch with tasks, none of which is "-", unless an option of a module does all. */
 static bool input_is_free(const struct options *options, enum front_kind kind)
 {
-    bool is_free = kind == FRONT_END && options->tasks > 0 && !options->only;
+    bool is_free = kind == FRONT_NONE && options->tasks > 0 && !options->only;
     for (int i = 0; i < options->tasks; i++)
         is_free = is_free && strcmp(options->task[i].text, "-") != 0;
     return is_free;
 }
 
-/* Chooses the front end before anything is printed: batch without a terminal or with tasks, else
- * panes if the terminal can show them, else the plain prompt. */
+/* Chooses the front end before anything is printed: FRONT_NONE (batch) without a terminal, with
+ * tasks, or with an option of a module that is all the program does (options->only), else panes if
+ * the terminal can show them, else the plain prompt. */
 static enum front_kind choose_front(const struct options *options)
 {
     struct error error = {0};
     const bool terminal = isatty(STDIN_FILENO) && isatty(STDOUT_FILENO);
     if (options->batch || options->only || !terminal ||
         (options->tasks > 0 && !options->interactive)) {
-        return FRONT_END;
+        return FRONT_NONE;
     }
     front_load_locale();
     describe_terminal();
@@ -88,8 +89,8 @@ static void keep_at_end(const struct session_keeper *keeper)
     keeper->end();
 }
 
-/* Runs the prompt and the panes, one after the other, as long as the commands `plain` and `panes`
- * ask for the other one. */
+/* Runs the front end `kind`, and then others as long as the commands `plain` and `panes` switch to
+ * them (program->next). */
 static void prompts_run(struct front_program *program, enum front_kind kind)
 {
     const struct session_keeper *keeper = session_keeper();
@@ -97,7 +98,7 @@ static void prompts_run(struct front_program *program, enum front_kind kind)
         keeper->begin(program->session);
     crash_last_act(save_without_memory);
     for (program->next = kind;
-         program->next != FRONT_END && !program->session->execution.quit && !signals_ending();) {
+         program->next != FRONT_NONE && !program->session->execution.quit && !signals_ending();) {
         if (program->next == FRONT_IS_PANES) {
             panes_run(program);
         } else {
@@ -174,7 +175,7 @@ static void tasks_run(struct session *session, const struct options *options, en
     if (options->only) {
         session->execution.status = run_option(session, options, reply);
     } else {
-        batch_run(session, options, kind == FRONT_END && options->tasks == 0, reply, streams);
+        batch_run(session, options, kind == FRONT_NONE && options->tasks == 0, reply, streams);
     }
 }
 
@@ -221,7 +222,7 @@ static int session_front_run(const struct options *options)
     struct error error = {0};
     bool ready = true;
     if (options->split) {
-        ready = kind == FRONT_END
+        ready = kind == FRONT_NONE
                     ? split_begin(&split, options->split, options->safe, &error)
                     : error_set(&error, ERROR_USAGE, "--split cannot be used with a prompt");
         streams.split = &split;
@@ -239,8 +240,8 @@ static int session_front_run(const struct options *options)
         if (messages.len > 0) {
             reply_note(&reply, "%s", messages.data);
         }
-        confine(options, kind != FRONT_END, &reply);
-        if (!options->norc && (kind != FRONT_END || options->rc)) {
+        confine(options, kind != FRONT_NONE, &reply);
+        if (!options->norc && (kind != FRONT_NONE || options->rc)) {
             rc_run(session, &reply);
             /* a mistake in the rc file has been told; it does not make this run a failure */
             session->execution.status = 0;
@@ -248,7 +249,7 @@ static int session_front_run(const struct options *options)
         tasks_run(session, options, kind, &reply, &streams);
         /* errors of lines typed at the prompt were shown there and do not change the status */
         status = session->execution.status;
-        if (kind != FRONT_END && !session->execution.quit && !signals_ending()) {
+        if (kind != FRONT_NONE && !session->execution.quit && !signals_ending()) {
             /* `withheld` delays the first suggestion until an empty line asks for one. */
             struct front_program program = {.session = session,
                                             .options = options,
@@ -280,7 +281,7 @@ static int session_front_run(const struct options *options)
     }
     if (signals_ending()) {
         status = 128 + signals_ending();
-    } else if (kind == FRONT_END && cancelled(&interrupt)) {
+    } else if (kind == FRONT_NONE && cancelled(&interrupt)) {
         status = ERROR_CANCELLED;
     }
     reply_free(&reply);

@@ -100,17 +100,17 @@ static const struct result_row *result_of_kind(struct text kind)
 
 /* Makes a table of a result that no command has stored, because it describes the present session
  * (such as the current run): collects the records that it replies, without printing them, in
- * `said`, and stores these under the result's name. */
+ * `records`, and stores these under the result's name. */
 static void store_present_records(struct session *session, const struct result_row *row)
 {
-    struct table_store said = {0};
+    struct table_store records = {0};
     struct reply reply;
     reply_init(&reply, (struct sink){NULL, NULL, NULL});
     reply.muted = true;
-    reply.store = &said;
+    reply.store = &records;
     row->say(session, &reply);
     reply_free(&reply);
-    session_keep_results(session, &said, row->row.name);
+    session_keep_results(session, &records, row->row.name);
 }
 
 /* Makes the table of a result, or takes the last stored one. Returns false with an error and the

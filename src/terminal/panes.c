@@ -26,7 +26,7 @@
 
 bool panes_over(const struct panes *panes)
 {
-    return panes_session(panes)->execution.quit || panes->program->next != FRONT_END ||
+    return panes_session(panes)->execution.quit || panes->program->next != FRONT_NONE ||
            signals_ending() || panes->input.closed;
 }
 
@@ -441,7 +441,7 @@ void panes_run(struct front_program *program)
     struct panes panes = {.program = program, .screen_stale = true, .pacing = PACING_BEGIN};
     const struct front saved = session->front;
     FILE *nowhere = fopencookie(NULL, "w", (cookie_io_functions_t){.write = ignore_output});
-    program->next = FRONT_END;
+    program->next = FRONT_NONE;
     line_begin(session); /* precedes ncurses, because both look up the terminal */
     panes.color = saved.color;
     panes.screen.utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;

@@ -262,7 +262,7 @@ void prompt_run(struct front_program *program)
 {
     struct session *session = program->session;
     const struct front saved = session->front;
-    program->next = FRONT_END;
+    program->next = FRONT_NONE;
     program->reply->sink = streams_sink(program->streams);
     at_prompt = program;
     set_front(program);
@@ -273,7 +273,7 @@ void prompt_run(struct front_program *program)
     crash_modes();
     crash_arm(TEXT("\033[?2004l\r\n")); /* ends a mode that readline switches on */
     front_greet(program->reply);
-    while (!session->execution.quit && !signals_ending() && program->next == FRONT_END &&
+    while (!session->execution.quit && !signals_ending() && program->next == FRONT_NONE &&
            streams_flush(program->streams)) {
         front_probe(&session->front, program->options, STDOUT_FILENO);
         char *typed = read_line(program);

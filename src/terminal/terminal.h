@@ -159,8 +159,8 @@ void crash_last_act(void (*act)(void));
 
 /* ---- front ends ---- */
 
-/* Front end that takes over: none, the plain prompt, the panes. */
-enum front_kind { FRONT_END, FRONT_IS_PLAIN, FRONT_IS_PANES };
+/* Front end that reads what the user types: none (batch), the plain prompt, or the panes. */
+enum front_kind { FRONT_NONE, FRONT_IS_PLAIN, FRONT_IS_PANES };
 
 /* State shared by all front ends of one program. */
 struct front_program {

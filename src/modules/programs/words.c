@@ -215,13 +215,14 @@ static bool fraction_of(double x, long *top, long *bottom)
 }
 
 /* Appends `count` weights separated by commas, as fractions such as 35/384 where these are the same
- * doubles and shorter, in lines of little more than line_max characters. */
+ * doubles and the decimal is not short, in lines of little more than line_max characters. */
 static void put_weights_of(struct scene_program *p, const double *weight, int count)
 {
+    enum { SHORT_DECIMAL = 4 }; /* characters of decimals that need no fraction, such as 0.25 */
     static const size_t line_max = 64;
     size_t start = p->output->len;
     for (int i = 0; i < count; i++) {
-        char z[REAL_TEXT_SIZE];
+        char decimal[REAL_TEXT_SIZE];
         long top, bottom;
         const bool wraps = p->output->len - start > line_max;
         struct text separator;
@@ -233,8 +234,9 @@ static void put_weights_of(struct scene_program *p, const double *weight, int co
             separator = p->dialect == DIALECT_OCTAVE ? TEXT(", ...\n    ") : TEXT(",\n    ");
         buffer_put(p->output, separator);
         start = wraps ? p->output->len : start;
-        if (real_format(weight[i], z) <= 4 || !fraction_of(weight[i], &top, &bottom))
-            buffer_put(p->output, text_of(z));
+        if (real_format(weight[i], decimal) <= SHORT_DECIMAL ||
+            !fraction_of(weight[i], &top, &bottom))
+            buffer_put(p->output, text_of(decimal));
         else
             buffer_format(p->output, "%ld%s/%ld", top, p->dialect == DIALECT_C ? ".0" : "", bottom);
     }

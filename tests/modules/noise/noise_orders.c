@@ -145,7 +145,7 @@ TEST(plots_come_back)
     bench_close(&again);
 }
 
-static void do_nothing(void *context, int thread, int64_t index)
+static void count_call(void *context, int thread, int64_t index)
 {
     (void)thread;
     (void)index;
@@ -157,7 +157,7 @@ TEST(items_are_done_once_or_cancelled)
     atomic_int done = 0;
     struct cancel cancel = {0};
     struct parallel parallel = {
-        .threads = 3, .cancel = &cancel, .work = do_nothing, .context = &done};
+        .threads = 3, .cancel = &cancel, .work = count_call, .context = &done};
     assert_int_equal(parallel_do(&parallel, 1000), 3);
     assert_int_equal(done, 1000);
     atomic_store(&cancel.requested, 1);

@@ -131,7 +131,7 @@ bool growth_begin(struct lengthening *growth, struct recording *recording)
 }
 
 /* Appends the rows of `more`, which was read from the last lines of the same file, unless the
- * recording has them: growth->line is the last line that it has, and `known` is true if `more`
+ * recording has them: growth->line is the last line that it has, and `overlaps` is true if `more`
  * contains it. If times are computed from the arrivals of lines, new lines change the times of
  * earlier ones, so that all rows of `more` replace those of the same lines. Of the rows that came,
  * each growth->stride-th is kept. Sets *other to true, and appends nothing, if `more` has other
@@ -140,7 +140,8 @@ bool recording_grow(struct recording *recording, struct lengthening *growth, str
                     bool *other)
 {
     const size_t newest = row_of_line(more, growth->line);
-    const bool known = newest < more->rows, arrivals = more->collected->clock != CLOCK_DEVICE;
+    const bool overlaps = newest < more->rows,
+               times_from_arrivals = more->collected->clock != CLOCK_DEVICE;
     *other = !same_columns(recording, more);
     if (*other)
         return true;
@@ -148,8 +149,9 @@ bool recording_grow(struct recording *recording, struct lengthening *growth, str
         return false;
     recording_join_clock(more, growth->line, growth->t);
     const double end = recording->t[recording->rows - 1];
-    size_t first = known ? newest + 1 : 0, row = growth->last_row + 1;
-    if (arrivals && known) { /* the straight line fitted to the arrivals has changed */
+    size_t first = overlaps ? newest + 1 : 0, row = growth->last_row + 1;
+    /* the straight line fitted to the arrivals has changed */
+    if (times_from_arrivals && overlaps) {
         first = 0;
         row = growth->last_row - newest;
         while (recording->rows > 1 && recording->line[recording->rows - 1] >= more->line[0])

@@ -166,15 +166,15 @@ bool portrait_make(const struct portrait_request *request, struct portrait *port
     const int64_t start_time = clock_ns();
     struct portrait_work work = {.request = request, .portrait = portrait};
     struct typed_models *models = NULL;
-    struct system bounded, energetic;
+    struct system bounded, with_energy;
     struct error ignored;
     *portrait = (struct portrait){.cancelled = false};
     bool fine = field_init(&work.field, request->scene, NULL, 0, error);
     work.field.cancel = request->cancel;
     if (fine && scene_with_bounds(request->scene, &work.field.system, &models, &bounded, &ignored))
         work.bounded = &bounded;
-    if (fine && request->energy && scene_bind(request->scene, &energetic, &ignored))
-        work.field.system = energetic;
+    if (fine && request->energy && scene_bind(request->scene, &with_energy, &ignored))
+        work.field.system = with_energy;
     if (fine && !find_equilibria(&work, &ignored)) /* a portrait without them is still useful */
         portrait->found = (struct equilibria){.count = 0};
     if (fine && !portrait_draw(&work))
