@@ -4,7 +4,8 @@
 
 #include <math.h>
 
-/* Fits a and b by least squares; their covariance gives the uncertainty of the amplitude. */
+/* Reads the amplitude in samples begin to end - 1 by a least-squares fit of a and b of the motion's
+ * sine; their covariance gives its uncertainty. Returns false if there are too few samples. */
 bool local_amplitude(const struct motion *m, size_t begin, size_t end, struct reading *reading)
 {
     struct samples part = samples_part(&m->samples, begin, end);
@@ -29,9 +30,9 @@ bool local_amplitude(const struct motion *m, size_t begin, size_t end, struct re
     return true;
 }
 
-/* Sets *t and *log_a to the middle of the window of `width` from t_begin on and to the logarithm of
- * its amplitude. Returns false if the window has too few samples, is outside of the series, or if
- * the amplitude is lost in noise. */
+/* Sets *t and *log_a to the middle of the window of `width` [s] from t_begin on and to the
+ * logarithm of its amplitude. Returns false if the window has too few samples, is outside of the
+ * series, or if the amplitude is lost in noise. */
 static bool log_amplitude(const struct motion *m, double t_begin, double width, double *t,
                           struct measured *log_a)
 {
@@ -48,9 +49,10 @@ static bool log_amplitude(const struct motion *m, double t_begin, double width, 
     return true;
 }
 
-/* Extrapolates the amplitude of the window that begins at t_begin to the time t_reading, which lies
- * beyond its middle. The damping of the whole is used if the next windows inside agree with it;
- * else the straight line or parabola through the logarithms of two or three windows. */
+/* Extrapolates *amplitude, that of the window of `width` [s] that begins at t_begin, to the time
+ * t_reading, which lies beyond its middle. The damping of the whole is used if the next windows
+ * inside agree with it; else the straight line or parabola through the logarithms of two or three
+ * windows. */
 static void carry_amplitude(const struct motion *m, double t_begin, double width, double t_reading,
                             struct measured *amplitude)
 {
@@ -87,8 +89,9 @@ static void carry_amplitude(const struct motion *m, double t_begin, double width
     amplitude->uncertainty = amplitude->value * relative;
 }
 
-/* Adds the difference to the amplitude in half the window to the uncertainty: if the envelope bends
- * within the window, the mean is read, which is off by 4/3 of that. */
+/* Adds to the uncertainty of *amplitude the difference between the readings of the window and of
+ * its middle half: if the envelope is curved within the window, the mean is read, which is off by
+ * 4/3 of that. */
 static void widen_by_bend(const struct motion *m, double t_begin, double width,
                           const struct reading *window_reading, struct measured *amplitude)
 {
@@ -104,7 +107,9 @@ static void widen_by_bend(const struct motion *m, double t_begin, double width,
         amplitude->uncertainty = hypot(amplitude->uncertainty, 4.0 / 3 * bend * amplitude->value);
 }
 
-/* Fits a window around each time; at the ends of the series it carries the amplitude outward. */
+/* Reads the amplitude at `count` times [s] in windows of `width` [s] (two periods if 0), which are
+ * moved inside at the ends of the series, from where the amplitude is extrapolated. Returns false
+ * with the error. */
 bool series_amplitudes(const struct series *series, struct arena *arena, const double *reading_time,
                        int count, double width, struct reading *reading, struct error *error)
 {

@@ -73,10 +73,11 @@ static bool place_exact(const struct context *c, size_t i, struct crossing *cros
     return isfinite(crossing->t);
 }
 
-/* Places a crossing in noise near `centre`: fits y - mean = p cos(omega s) + q sin(omega s)/omega,
- * s = t - centre, to the samples within `half`, and moves to its crossing. Such a line has the bend
- * of a sine (a plain line if omega is unknown), so that the window may be wide. The later passes
- * leave out samples five sigma off (missed echoes). Returns false if there are too few. */
+/* Places a crossing in noise near `centre` [s]: fits y - mean = p cos(omega s) + q sin(omega
+ * s)/omega, s = t - centre, to the samples within c->half, and moves to its crossing. Such a line
+ * is curved like a sine (a plain line if omega is unknown), so that the window may be wide. The
+ * later passes leave out samples five sigma off (missed echoes). Returns false if there are too
+ * few. */
 static bool place_fit(const struct context *c, double centre, struct crossing *crossing)
 {
     const struct series *s = c->series;
@@ -128,7 +129,8 @@ static bool place_fit(const struct context *c, double centre, struct crossing *c
     return true;
 }
 
-/* Finds changes of side beyond the hysteresis, and places each crossing by interpolation or fit. */
+/* Finds the crossings of `level` by changes of side beyond the hysteresis, and places each by
+ * interpolation or fit. Stores up to `capacity` of them in result, and returns the number found. */
 size_t series_crossings(const struct series *s, const struct overview *o, double level,
                         struct crossing *result, size_t capacity)
 {

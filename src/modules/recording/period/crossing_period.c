@@ -13,8 +13,9 @@ enum { WAVE_CROSSINGS = 512, PATTERN_MAX = 8, SETTLED_MIN = 4 };
 /* Samples a period from which on a quintic interpolates crossings to rounding. */
 static const double smooth_samples = 20;
 
-/* Adds half the difference between the periods of rising and of falling edges: if the amplitude
- * changes, a level is passed progressively later on one edge, and earlier on the other. */
+/* Adds half the difference between the periods of rising and of falling edges to the uncertainty:
+ * if the amplitude changes, a level is passed progressively later on one edge, and earlier on the
+ * other. all[count] are crossings of both directions. */
 static void widen_by_falling_edges(const struct crossing *all, size_t count, struct period *period)
 {
     double first = NAN, last = NAN; /* [s] how long the level is passed for */
@@ -75,9 +76,9 @@ static void widen_by_edges(const struct series *s, const struct overview *o, str
         hypot(period->period.uncertainty, M_SQRT2 * edge / fmax(period->periods, 1));
 }
 
-/* Returns the error of the period by interpolation, which two or three crossings do not show in
- * their scatter, or NAN if there are too few. With every second sample, interpolation of the fifth
- * degree is off by 2^6 times as much. */
+/* Returns the error of the period [s] by interpolation, which two or three crossings do not show in
+ * their scatter, or NAN if there are too few. It is estimated from every second sample, with which
+ * interpolation of the fifth degree is off by 2^6 times as much. */
 static double interpolation_error(const struct series *series, const struct overview *o,
                                   struct arena *arena, double period)
 {
@@ -98,7 +99,8 @@ static double interpolation_error(const struct series *series, const struct over
                : NAN;
 }
 
-/* Fits a line through the up-crossings, and adds the errors of edges and of interpolation. */
+/* Reads the period from a line through the up-crossings of the mean, and adds the errors of edges
+ * and of interpolation. Returns false with the error if noise leaves fewer than two. */
 bool crossing_period(const struct series *series, const struct overview *o, struct arena *arena,
                      struct period *period, struct error *error)
 {

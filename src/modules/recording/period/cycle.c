@@ -66,8 +66,8 @@ static double fit_cycle(const struct cycles *c, double t, size_t *row, struct cy
     return sfy / sqrt(sff * syy);
 }
 
-/* Places one cycle within `reach` periods of the expected time. Returns false if no position
- * resembles the mean cycle. */
+/* Places one cycle within `reach` periods of the expected time [s], where its correlation with the
+ * mean cycle is highest. Returns false if no position resembles the mean cycle. */
 static bool place_cycle(const struct cycles *c, double expected, double reach, struct cycle *result)
 {
     enum { PLACES = 2 * (BINS_MAX / 8) + 3 };
@@ -154,8 +154,8 @@ static bool place_cycles(struct cycles *c, double reach)
 }
 
 /* Returns where the first cycle should begin [periods after the first sample], at most `spare`:
- * where the series changes least, so that no pulse is cut. Sets *much to the change there relative
- * to the least change anywhere. */
+ * where the series changes least, so that no pulse is cut. Sets *excess to the change there
+ * relative to the least change anywhere. */
 static double quiet_begin(const struct samples *x, double period, double spare, double *excess)
 {
     enum { PLACES = 16 };
@@ -235,7 +235,9 @@ double cycles_share_needed(size_t cycles)
     return 0.9;
 }
 
-/* Alternates between placing the cycles and computing their mean. */
+/* Divides the samples into cycles of about `guess` [s], and alternates between placing the cycles
+ * and computing their mean. Stops early if they explain far less than share_min of the variance.
+ * Returns false if there are too few samples, or if cancelled or out of memory. */
 bool cycles_find(struct cycles *c, const struct samples *x, double guess, double share_min,
                  struct arena *arena)
 {
@@ -262,7 +264,8 @@ bool cycles_find(struct cycles *c, const struct samples *x, double guess, double
     return true;
 }
 
-/* Places the cycles, requires that they are alike, and fits a line through their starts. */
+/* Reads the period, near `guess` [s], from a line through the starts of cycles, if these are alike.
+ * Returns false if they are not. */
 bool cycle_period(const struct series *series, double guess, struct arena *arena,
                   struct period *period)
 {

@@ -87,8 +87,8 @@ static double times_variance(const struct cycle_times *x, int terms)
            fmax(rho > chance ? autocorrelation_factor(rho) : 1, line_correlation_factor(rho, n));
 }
 
-/* Fits the line to the times in use by weighted least squares. Returns false if they are too few,
- * or if out of memory. */
+/* Fits the line (with powers and steps in gaps) to the times in use by weighted least squares, and
+ * sets their deviations. Returns false if they are too few, or if out of memory. */
 static bool fit_weighted(struct cycle_times *x, struct times_line *line)
 {
     const size_t terms = (size_t)(line->powers + line->gaps), last = x->n - 1;
@@ -141,8 +141,8 @@ static bool fit_weighted(struct cycle_times *x, struct times_line *line)
     return fitted;
 }
 
-/* Fits a line with that number of powers, leaving out times that are far off. scratch [n]. Returns
- * false if there are too few times. */
+/* Fits a line with that number of powers (2 for a straight one), leaving out times that are far
+ * off. scratch [n] is work space. Returns false if there are too few times. */
 static bool fit_times(struct cycle_times *x, int powers, double *scratch, struct times_line *line)
 {
     enum { PASSES = 3 };
@@ -213,8 +213,8 @@ static double slope_sigma(const struct times_line *line, bool exact)
     return line->slope_formal * sqrt(variance);
 }
 
-/* Warns if the times bend against their numbers, and widens the uncertainty to cover the periods at
- * both ends. */
+/* Warns if the times, by the quadratic fit `bent`, curve against their numbers, and widens the
+ * uncertainty to cover the periods at both ends. */
 static void warn_bend(const struct times_line *bent, struct period *period)
 {
     /* smallest relative change over the recording that is reported */
@@ -230,7 +230,9 @@ static void warn_bend(const struct times_line *bent, struct period *period)
         fmax(period->period.uncertainty, 0.25 * fabs(last_period - first_period));
 }
 
-/* Recounts gaps, tests whether the times bend, and fits the straight line without outliers. */
+/* Reads the period from the times of cycles against their numbers: counts cycles in gaps, tests
+ * whether the period changes, and fits the straight line without outliers. `exact` is set for
+ * series without noise. Returns false if there are too few. */
 bool times_period(struct cycle_times *x, bool exact, struct arena *arena, struct period *period)
 {
     enum { BENDS_TIMES_MIN = 5 };
@@ -294,7 +296,9 @@ static double counting_origin(const struct crossing *rising, size_t count, doubl
     return rising[0].t + guess * atan2(s, c) / TWO_PI;
 }
 
-/* Numbers the crossings by multiples of `guess`, leaving out those off the common phase. */
+/* Reads the period from `count` rising crossings, numbered by multiples of `guess` [s], leaving out
+ * those off the common phase. *used becomes the number of crossings fitted. Returns false if fewer
+ * than two are left. */
 bool crossings_period(const struct crossing *rising, size_t count, double guess, bool exact,
                       struct arena *arena, struct period *period, size_t *used)
 {

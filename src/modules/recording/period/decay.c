@@ -12,8 +12,8 @@ enum { READINGS_DEFAULT = 6, READINGS_MIN = 3 };
 /* Scatter of the energy of the noise, in units of that energy. */
 #define NOISE_ENERGY_SCATTER 3.0
 
-/* Fits a line to the logarithms of the readings against the time since t0. Readings that are not
- * positive, or mostly noise, are left out. Returns false for fewer than two. */
+/* Fits a line to the logarithms of `count` readings against the time since t0 [s]. Readings that
+ * are not positive, or mostly noise, are left out. Returns false for fewer than two. */
 static bool fit_logarithms(const struct reading *reading, int count, double t0,
                            struct line_fit *line)
 {
@@ -82,7 +82,8 @@ static double floor_fraction(const struct decay *decay, const struct energy_nois
     return sum / decay->readings;
 }
 
-/* Reads the amplitude in `count` windows of at most two periods. Returns the number of readings. */
+/* Reads the amplitude in `count` windows of at most two periods, spread over the series, into
+ * reading[]. Returns the number of readings. */
 static int read_amplitudes(const struct motion *m, int count, struct reading *reading)
 {
     const struct samples *x = &m->samples;
@@ -112,8 +113,9 @@ struct measured measured_reciprocal(double top, struct measured rate, double *le
     return (struct measured){NAN, NAN};
 }
 
-/* Reads amplitudes or local energies in windows, and fits a line to their logarithms; gamma, tau, Q
- * and decrement follow from its slope. */
+/* Reads amplitudes (or with `energy`, its noise, local energies) in `readings` windows (0 chooses),
+ * and fits a line to their logarithms, from whose slope gamma, tau, Q and decrement follow. Returns
+ * false with the error. */
 bool series_decay(const struct series *series, struct arena *arena,
                   const struct energy_noise *energy, int readings, struct decay *decay,
                   struct error *error)

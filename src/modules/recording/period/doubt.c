@@ -81,8 +81,9 @@ static double cycles_square(const struct cycles *c)
     return square;
 }
 
-/* Returns by how much [y] sampling alone may separate the rows of cycles with edges: an edge falls
- * between samples, up to half a sample off. All cycles of one turn may share that. */
+/* Returns by how much [y] sampling alone may separate the rows of cycles with edges, 0 without
+ * edges: an edge falls between samples, up to half a sample off. If the true period has `turns`
+ * cycles, all cycles of one position in it may share that. */
 static double edge_error(const struct cycles *c, size_t turns, double noise)
 {
     /* least edge and largest noise, relative to the range */
@@ -118,8 +119,8 @@ static double template_error(const struct cycles *c, size_t turns, double left, 
     return hypot(hypot(least, missed), turns > 0 ? size * angle * angle / 8 : 0);
 }
 
-/* Returns the variance of the rows about the mean cycle, or -1 if some cycle does not resemble
- * it. */
+/* Returns the variance of the rows about the mean cycle, summed over cycles, or -1 if some cycle
+ * does not resemble the mean. */
 static double cycles_left(const struct cycles *c)
 {
     static const double least = 0.2; /* least height of a cycle relative to the mean */
@@ -158,8 +159,9 @@ struct times_model {
     struct measured period; /* [s] */
 };
 
-/* Estimates the period by a Kalman filter of time and period over the times less multiples of a
- * period. spread [s^2] sets the unknown start. */
+/* Estimates m->period by a Kalman filter of time and period over n times less multiples of a
+ * period, with the scatter and walk of the model, and its likelihood. spread [s^2] sets the unknown
+ * start. */
 static void follow_times(const struct measured *time, size_t n, double spread,
                          struct times_model *m)
 {
@@ -236,8 +238,8 @@ static struct measured period_of_times(const struct measured *time, size_t n, do
     return (struct measured){value, sqrt(variance)};
 }
 
-/* Selects the rows by which the cycles are judged, thinned if there are many. Returns false if
- * there are too few. */
+/* Selects in *rows the part of the series by which the cycles of the period p are judged, thinned
+ * if there are many. Returns false if there are too few. */
 static bool doubt_rows(const struct series *series, const struct period *p, struct arena *arena,
                        struct series *rows)
 {
@@ -261,7 +263,7 @@ static bool doubt_rows(const struct series *series, const struct period *p, stru
 }
 
 /* Widens a period by the scatter of its cycles' times, and warns if that is most of its
- * uncertainty. */
+ * uncertainty. `noise` is that of a sample, value [c->count] is work space. */
 static void widen_by_times(const struct cycles *c, double noise, struct measured *value,
                            struct period *period)
 {
@@ -357,7 +359,8 @@ static bool test_multiples(const struct cycles *c, double noise, struct measured
     return false;
 }
 
-/* Places the cycles of the series, widens T by their times, and tests its multiples. */
+/* Tests a period by the cycles of the series: widens its uncertainty by their times, and replaces
+ * it by a multiple or warns if cycles differ in turn. */
 void period_doubt(const struct series *series, struct arena *arena, struct period *period)
 {
     static const double noise_max = 0.05;

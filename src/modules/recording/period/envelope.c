@@ -25,8 +25,8 @@ struct envelope {
     bool gamma, quadratic; /* terms that the law has */
 };
 
-/* Returns the amplitude at s >= 0 relative to that at s = 0, and sets its derivatives by gamma and
- * q. */
+/* Returns the amplitude at s >= 0 relative to that at s = 0 for linear and quadratic drag, and sets
+ * its derivatives by gamma and q. */
 static double envelope_value(const struct envelope_rates *rates, double s, double gradient[2])
 {
     /* phi = (1 - exp(-hs))/h, slope = dphi/dh */
@@ -44,8 +44,8 @@ static double envelope_value(const struct envelope_rates *rates, double s, doubl
     return value;
 }
 
-/* Returns the amplitude of the law at s. x is ln A0, then the rates that the law has [1/span]. Sets
- * d[3] to the derivatives by ln A0, gamma, q. */
+/* Returns the amplitude of the law at s (time in units of the span). x is ln A0, then the rates
+ * that the law has [1/span]. Sets d[3] to the derivatives by ln A0, gamma, q. */
 static double law_value(const struct envelope *e, const gsl_vector *x, double s, double d[3])
 {
     struct envelope_rates rates = {0};
@@ -97,8 +97,8 @@ struct envelope_fit {
     bool found;
 };
 
-/* Fits the law with these terms, from the starting rate `start` [1/span]. Sets result->found if it
- * converged. Returns false if out of memory. */
+/* Fits the envelope by the law with the terms `gamma` and `quadratic`, from the starting rate
+ * `start` [1/span]. Sets result->found if it converged. Returns false if out of memory. */
 static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start,
                     struct envelope_fit *result)
 {
@@ -138,7 +138,7 @@ static bool fit_law(struct envelope *e, bool gamma, bool quadratic, double start
 }
 
 /* Reads the amplitudes of consecutive windows of whole periods (fractions would alternate with the
- * shape of the oscillation), and keeps those that stand out of their noise. */
+ * shape of the oscillation) into e, without those lost in noise, relative to the largest. */
 static void read_envelope(const struct motion *m, struct envelope *e)
 {
     const struct samples *x = &m->samples;
@@ -165,7 +165,9 @@ static void read_envelope(const struct motion *m, struct envelope *e)
     e->noise = e->count ? noise / (double)e->count / (largest * largest) : 0;
 }
 
-/* Fits the three laws to the readings and compares the best one's scatter with the noise. */
+/* Fits three laws (linear, quadratic, both) to readings of the amplitude. Sets rates[] and *sway,
+ * the relative scatter beyond noise of the best one, NAN if unknown. Returns false if out of
+ * memory. */
 bool envelope_laws(const struct motion *m, double *sway, struct envelope_rates rates[3])
 {
     static const struct {

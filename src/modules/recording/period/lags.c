@@ -66,7 +66,9 @@ static void smooth(const double *y, size_t n, double *result)
     }
 }
 
-/* Thins or selects rows, tabulates the correlation, and smooths series of narrow pulses first. */
+/* Prepares *lags, the autocorrelation of a series (NAN period if unknown): thins or selects rows,
+ * and smooths series of narrow pulses first. Returns false if there are too few rows or if out of
+ * memory. */
 bool lags_init(const struct series *whole, double period, struct arena *arena, struct lags *lags)
 {
     enum { ROWS = 4096, ROWS_A_PERIOD = 128, PERIODS = 32 };
@@ -147,7 +149,8 @@ struct lag_peak {
     double parabola, flanks;
 };
 
-/* Returns the peak at lag k with interpolated position and heights. */
+/* Returns the peak of the correlation at lag k with interpolated position and heights: by a
+ * parabola, and by lines through its flanks, which narrow peaks need. */
 static struct lag_peak read_peak(const struct lags *l, size_t k)
 {
     const double *r = l->correlation + k, bend = r[-1] - 2 * r[0] + r[1],
@@ -180,7 +183,8 @@ static bool peak_near(const struct lags *l, double shift, double reach, struct l
     return isfinite(peak->shift);
 }
 
-/* Finds the first peak that is as high as the highest one. */
+/* Returns the lag [s] of the first peak that is about as high as the highest one, or NAN if the
+ * series does not repeat. */
 double lags_period(const struct lags *l)
 {
     const size_t half = l->n / 2;
@@ -234,7 +238,7 @@ static double shifted_correlation(const struct lags *l, size_t i, size_t count, 
 }
 
 /* Returns true if most parts of the series resemble themselves more after n periods than after one;
- * a part that is loud does not decide alone. */
+ * each part counts the same, however large its amplitude. */
 static bool most_prefer(const struct lags *l, double period, int n)
 {
     const size_t count = (size_t)(n * period / l->dt);
@@ -289,7 +293,8 @@ static bool fairly_better(const struct lags *l, double period, int n)
     return false;
 }
 
-/* Compares the correlation after one period with those after multiples and fractions. */
+/* Returns the factor by which the period [s] must be multiplied so that the series repeats best: a
+ * small whole number, 1, or a fraction. */
 double lags_multiple(const struct lags *l, double period)
 {
     const double span = (double)(l->n - 1) * l->dt, reach = 0.04 * period + 0.5 * l->dt;

@@ -29,7 +29,8 @@
 /* Smallest decrease of the sum of squares by damping, in variances of a residual. */
 #define DAMPED_BETTER 12.0
 
-/* Averages the power of the residuals in a few bins on both sides of omega. */
+/* Returns the variance of the residuals at frequencies near omega [rad/s]: the mean power in a few
+ * bins on both sides, 0 if cancelled. */
 double variance_beside(const struct samples *x, const double *residual, double omega)
 {
     const double bin = TWO_PI / (x->t[x->n - 1] - x->t[0]);
@@ -92,8 +93,9 @@ static bool fit_line(const struct samples *x, double omega, enum harmonic_free u
            fabs(h->omega - omega) <= TWO_PI / span;
 }
 
-/* Fits all lines together: each in turn again to what the others leave. residual [n] is updated;
- * work [n] is scratch space. Returns false if a line is lost or if cancelled. */
+/* Fits `count` lines together: each in turn again to what the others leave. `unknowns` are the free
+ * parameters of a line; residual [n] is updated, work [n] is scratch space. Returns false if a line
+ * is lost or if cancelled. */
 static bool fit_together(const struct samples *x, struct harmonic *line, int count,
                          enum harmonic_free unknowns, double *residual, double *work)
 {
@@ -167,7 +169,8 @@ static void fit_damped_lines(const struct samples *x, struct harmonic *line, int
         line_stands_out(x, &line[k], FREE_GAMMA, left, k == 0, &peak[k]);
 }
 
-/* Adds lines one by one as long as all stand out, then tries damped ones. */
+/* Sets peak[] to the significant lines of the spectrum, at most `max`, strongest first: adds lines
+ * one by one as long as all are significant, then tries damped ones. Returns their number. */
 int series_peaks(const struct series *series, struct arena *arena, struct spectrum_peak *peak,
                  int max)
 {

@@ -111,8 +111,8 @@ static bool is_poor(const struct motion *m)
            m->autocorrelation > RESIDUAL_CORRELATION_MIN;
 }
 
-/* Returns true if the amplitude changes and one damped sine explains nearly all: the rest is an
- * envelope that is not exponential. */
+/* Returns true if the amplitude changes and one damped sine explains nearly all, so that phases are
+ * lost only by an envelope that is not exponential. */
 static bool is_decaying(const struct motion *m)
 {
     static const double left_max = 0.02; /* power that the fit may leave, as a share */
@@ -191,8 +191,8 @@ static bool is_same_period(const struct period *period, double value)
     return fabs(period->period.value / value - 1) < SAME_PERIOD;
 }
 
-/* Tests the period of a sine against its multiples and fractions, and takes the one at which the
- * series repeats. */
+/* Tests the period of a sine against its multiples and fractions, by the correlation in `lags`, and
+ * takes the one at which the series repeats, or warns. `exact` is set for series without noise. */
 static void take_multiple(const struct series *series, bool exact, const struct lags *lags,
                           struct arena *arena, struct period *period)
 {
@@ -225,8 +225,9 @@ static void take_multiple(const struct series *series, bool exact, const struct 
         guess, multiple);
 }
 
-/* Reads the period of a series that no sine describes, trying crossings, a part, whole cycles and
- * waves in turn. `rows` is the series, or means of its neighbours. Returns false with the error. */
+/* Reads the period of a series that no sine describes, trying crossings, a part that oscillates,
+ * whole cycles and waves in turn. `rows` is the series, or means of its neighbours, m its attempted
+ * sine. Returns false with the error. */
 static bool period_without_sine(const struct series *series, const struct series *rows,
                                 struct motion *m, const struct lags *lags, struct arena *arena,
                                 struct period *period, struct error *error)
@@ -344,8 +345,8 @@ static bool period_by_method(const struct series *series, struct arena *arena,
     return true;
 }
 
-/* Tries the fast method for smooth series, then the general one, whose result is tested by waves
- * and cycles. */
+/* Measures the period of a series by a fast method if it is smooth, else by the general one, whose
+ * result is then tested by waves and cycles. Returns false with the error. */
 bool series_period(const struct series *series, struct arena *arena, struct period *period,
                    struct error *error)
 {

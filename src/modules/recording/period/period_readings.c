@@ -47,7 +47,8 @@ static bool read_window(const struct series *part, double middle, double width, 
     return true;
 }
 
-/* Divides the series into equal windows and reads each. */
+/* Divides the series into `windows` equal windows and reads period and amplitude of each into
+ * reading[]. Returns false with the error if one cannot be read. */
 bool series_period_readings(const struct series *series, int windows, struct arena *arena,
                             struct period_reading *reading, struct error *error)
 {

@@ -46,7 +46,8 @@ static double scatter_between(const struct measured *x, int n, double scatter)
     return 0.5 * (low + high);
 }
 
-/* Computes plain and weighted mean, Birge ratio, and the excess scatter (Paule and Mandel). */
+/* Computes in *r the statistics of n values: plain and weighted mean, Birge ratio, and the scatter
+ * beyond the stated uncertainties (Paule and Mandel). Returns false for fewer than two. */
 bool repeat_values(const struct measured *x, int n, struct repeat *r)
 {
     double sum = 0, square = 0;

@@ -128,8 +128,8 @@ static bool place_crossing(const struct smooth_wave *w, size_t step, struct smoo
     return x >= begin - 0.5 && x <= begin + 1.5 && c->slope * (y_next - y_previous) > 0;
 }
 
-/* Finds the crossings between lobes that are larger than share_min. Returns false if there are too
- * few, or if lobes have too few rows. */
+/* Finds the crossings of w->level between lobes that are higher than share_min of half the range.
+ * Returns false if there are too few, or if lobes have too few rows. */
 static bool find_crossings(struct smooth_wave *w, double share_min)
 {
     const double height_min = share_min * 0.5 * (w->high - w->low);
@@ -155,7 +155,7 @@ static bool find_crossings(struct smooth_wave *w, double share_min)
     return w->count >= CROSSINGS_MIN;
 }
 
-/* Computes the heights of the lobes. Returns true if their logarithms change evenly. */
+/* Computes the logarithms of the heights of the lobes. Returns true if they change evenly. */
 static bool heights_are_even(const struct smooth_wave *w)
 {
     for (size_t k = 0; k + 1 < w->count; k++) {
@@ -170,7 +170,8 @@ static bool heights_are_even(const struct smooth_wave *w)
     return true;
 }
 
-/* Moves a crossing to the level after that changed a little. Returns false if it is not near. */
+/* Moves a crossing to the level after that changed a little. Returns false if the level is not
+ * crossed nearby. */
 static bool follow_level(const struct smooth_wave *w, struct smooth_crossing *c)
 {
     for (size_t i = 0; i < lobe_rows_min; i++) {
@@ -214,7 +215,8 @@ struct crossing_line {
     double distance_max;      /* [rows] largest distance of a crossing from the line */
 };
 
-/* Fits the line through the crossings. Returns false if they do not determine it. */
+/* Fits the line through the crossings against their numbers, with a shift for a level off the
+ * centre, into *line. Returns false if they do not determine it. */
 static bool fit_crossings(const struct smooth_wave *w, struct crossing_line *line)
 {
     const double middle = 0.5 * (double)(w->count - 1), origin = w->crossing[0].place,
@@ -256,8 +258,8 @@ static bool fit_crossings(const struct smooth_wave *w, struct crossing_line *lin
     return line->half > 0;
 }
 
-/* Finds the level at which the crossings are equally spaced, and the line through them. Returns
- * false if there is none. */
+/* Finds the level at which the crossings are equally spaced (w->level, in and out), and the line
+ * through them. Returns false if there is none. */
 static bool find_centre(struct smooth_wave *w, struct crossing_line *line)
 {
     double moved = HUGE_VAL;
@@ -316,7 +318,8 @@ static double interpolation_sigma(struct smooth_wave *w, const struct crossing_l
     return sqrt(square / (double)w->count) / 63 * line->half_sigma_of_one;
 }
 
-/* Tests noise and time grid, then finds the centre and the line through its crossings. */
+/* Reads the period of an evenly sampled series with hardly any noise, from a line through the
+ * crossings of its centre. Returns false if the series is not of this kind. */
 bool smooth_period(const struct series *series, struct arena *arena, struct period *period)
 {
     struct smooth_wave w = {.y = series->y, .n = series->n};

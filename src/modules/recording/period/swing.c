@@ -55,9 +55,9 @@ static double sine_value(const struct harmonic *h, double t, double *envelope)
     return h->c + h->d * s + fall * (h->a * cos(h->omega * s) + h->b * sin(h->omega * s));
 }
 
-/* Moves one end of the window outwards, sample by sample in that direction, up to `limit` or to the
- * first of NEIGHBOURS samples in a row that are off the sine. Returns the last sample that lies on
- * it. */
+/* Moves one end of the window outwards, sample by sample in that direction (1 or -1), up to `limit`
+ * or to the first of NEIGHBOURS samples in a row that are off the sine of m. Returns the last
+ * sample that lies on it. */
 static size_t extend_end(const struct series *s, const struct motion *m, size_t end, size_t limit,
                          int direction)
 {
@@ -150,8 +150,8 @@ static bool best_of_length(const struct series *s, size_t parts, struct swing *s
     return isfinite(best);
 }
 
-/* Returns the first of three samples in a row that leave the level at which the series begins, or
- * n. */
+/* Returns the index of the first of three samples in a row that leave the level at which the series
+ * begins, or n if none do. */
 static size_t leaves_rest(const struct series *s, struct arena *arena)
 {
     enum { REST_MIN = 8, NEIGHBOURS = 3 };
@@ -191,7 +191,8 @@ static bool after_rest(const struct series *s, size_t halvings, struct swing *sw
     return found;
 }
 
-/* Tries the part after a rest, then windows of decreasing length. */
+/* Finds a part of the series that one damped sine describes, in *swing: the part after a rest, then
+ * windows of decreasing length. Returns false if there is none, or if it is all of the series. */
 bool find_swing(const struct series *series, struct swing *swing)
 {
     struct arena arena = {0};

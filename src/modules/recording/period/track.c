@@ -83,8 +83,7 @@ static bool factorise(struct track_gram *m)
     return true;
 }
 
-/* Fits the sine with w->omega to the window and sets its amplitude and phase (in (-pi, pi]) at the
- * middle. */
+/* Fits the sine with w->omega to the window: amplitude, and phase in (-pi, pi] at its middle. */
 static void fit_window(const struct samples *x, struct track_window *w)
 {
     if (cancelled(x->cancel))
@@ -159,8 +158,8 @@ static bool divide_into_windows(const struct samples *x, double width, struct ar
     return true;
 }
 
-/* Fits all windows. Returns the one that a sine of this frequency describes best, or `windows` if
- * none is clear. */
+/* Fits all windows with omega. Returns the number of the one that the sine describes best, or
+ * `windows` if none is clear. */
 static size_t best_window(const struct samples *x, double omega, struct track *track)
 {
     size_t best = track->windows;
@@ -178,7 +177,8 @@ static size_t best_window(const struct samples *x, double omega, struct track *t
     return best;
 }
 
-/* Fits windows in one direction from `start` on, each at the frequency found by those before it. */
+/* Fits windows in one direction (1 or -1) from `start` on, each at the frequency found by those
+ * before it, first omega. */
 static void follow_frequency(const struct samples *x, struct track *track, size_t start,
                              int direction, double omega)
 {
@@ -237,8 +237,8 @@ static double window_width(const struct samples *x, double omega, double periods
                 fmax(WINDOW_SAMPLES, BEAT_MIN / fmax(beat, 1e-3)) * x->dt);
 }
 
-/* Makes one pass over all samples, from the time t_start, at which the frequency is omega. Returns
- * false if out of memory. */
+/* Tracks the oscillation in windows of `periods` periods, in one pass from time t_start [s], where
+ * its frequency is omega. Returns false if out of memory. */
 static bool track_from(const struct samples *x, double omega, double periods, double t_start,
                        struct arena *arena, struct track *track)
 {
@@ -274,7 +274,7 @@ static double refined_frequency(const struct track *track, size_t start, double 
                                                                                  : omega;
 }
 
-/* Starts from the window that the frequency describes best, and refines the frequency there. */
+/* Tracks an oscillation of about omega from the window that this frequency describes best. */
 bool track_follow(const struct samples *x, double omega, double periods, struct arena *arena,
                   struct track *track)
 {
@@ -349,7 +349,7 @@ static bool follow_narrowly(const struct samples *x, double omega, const struct 
     return found;
 }
 
-/* Tries the peaks of spectra of 1, 8 and 32 parts, then fundamentals of the best track. */
+/* Finds the best track: from peaks of spectra of 1, 8 and 32 parts, then from its fundamentals. */
 bool track_find(const struct samples *x, struct arena *arena, struct track *track)
 {
     enum { PEAKS = 5 };
@@ -392,8 +392,8 @@ static double window_power(const struct track *track, const struct samples *x)
     return track->omega > 0 ? track->explained / (double)x->n : 0;
 }
 
-/* Searches the oscillation in a part and in means of neighbours, the livelier one first, and
- * follows the better track through the whole recording. */
+/* Searches the oscillation of a long recording in a part and in means of neighbours, the livelier
+ * one first, and follows the better track through all. Returns false if out of memory. */
 bool track_long(const struct samples *x, struct arena *arena, struct track *track)
 {
     /* A part of this size has some periods of any oscillation that is lost in means over the whole.
@@ -461,7 +461,7 @@ static double crossing_near(const struct track_window *w)
     return w->t - remainder(w->phase + 0.5 * PI, TWO_PI) / w->omega;
 }
 
-/* Fits a line through the phases of clear windows, and tests the decay of their amplitudes. */
+/* Reads the period from a line through the phases of clear windows, and tests their decay. */
 bool track_period(const struct track *track, struct arena *arena, struct period *period)
 {
     enum { PHASES_MIN = 4 };

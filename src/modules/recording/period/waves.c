@@ -33,8 +33,8 @@ struct waves {
     double correlation; /* lag 1; -1/2 if each wave is off its place independently */
 };
 
-/* Sets the middle level, the hysteresis about it, and the noise. Returns false if noise may exceed
- * it. */
+/* Sets the middle level of a series, the hysteresis about it, and the noise, from samples of it.
+ * Returns false if noise may exceed the hysteresis. */
 static bool find_levels(const struct series *s, double *middle, double *hysteresis, double *noise)
 {
     double value[LEVEL_ROWS], scratch[NOISE_ROWS];
@@ -59,7 +59,8 @@ static double passes_level(const struct series *s, size_t next, double level)
     return s->t[next - 1] + (s->t[next] - s->t[next - 1]) * (a / (a - b));
 }
 
-/* Finds the waves. Returns the mean shift [s] of an edge by noise. */
+/* Stores in w the middle time of each wave, a stretch above the middle level. Returns the mean
+ * shift [s] of an edge by noise. */
 static double find_waves(const struct series *s, double middle, double hysteresis, double noise,
                          struct waves *w)
 {
@@ -189,7 +190,8 @@ bool waves_period(const struct series *series, struct arena *arena, struct perio
     return true;
 }
 
-/* Compares the period with the number of waves that it contains, and with their spacing. */
+/* Compares the period with the number of waves that it contains and with their spacing; replaces it
+ * by the mean time between waves, widens it, or warns, if these vary. */
 void period_check_waves(const struct series *series, struct arena *arena, struct period *period)
 {
     /* The pattern of waves repeats if they come within this share of the spread, */
