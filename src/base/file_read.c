@@ -78,9 +78,10 @@ static bool fail_to_read(struct error *error, const char *path, int number)
     return false;
 }
 
-/* Waits a moment for a program to write to a named pipe, since a pipe without a writer has no end;
- * appends the byte that it reads meanwhile. Returns false with the error set if nobody writes.
- * EINTR is not retried, so that Ctrl-C ends the waiting. */
+/* Waits, at most PATIENCE_NS, until a program writes to the named pipe fd, since a pipe without a
+ * writer has no end. A byte that is read meanwhile is appended to `content`. Returns false with the
+ * error set if nobody writes or reading fails. EINTR is not retried, so that Ctrl-C ends the
+ * waiting. */
 static bool await_writer(int fd, const char *path, struct buffer *content, struct error *error)
 {
     char name[SAFE_NAME_SIZE], first;

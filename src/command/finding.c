@@ -166,8 +166,10 @@ static bool overwrites_nothing(const struct command *command)
     return i < command->arguments;
 }
 
-/* Appends the things elsewhere that have this name, its probable meaning, and the commands that
- * take it. `guessed` is true if a suggestion was made already. */
+/* Appends what the word at `where` could mean: things of another kind with that name, its probable
+ * meaning, and other commands that take it as an argument. `command` is the command of the
+ * statement, or NULL; `kind` is the kind of name that was expected, or NULL; `guessed` is true if a
+ * suggestion was made already. */
 static void put_meanings(const struct session *session, const struct command *command,
                          struct text statement, struct text where, const char *kind, bool guessed,
                          struct buffer *text)

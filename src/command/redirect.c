@@ -111,9 +111,9 @@ void redirect_take(const struct command *command, struct text *statement, struct
     statement->len = (size_t)(rest.data - 1 - statement->data);
 }
 
-/* Replaces an error at or behind the sign > by one that lists the possible endings. The file had
- * another ending, so that redirect_take() has left it in the statement, which then could not be
- * read. */
+/* Replaces the error by one that lists the possible endings of files, if it is at or behind a sign
+ * > whose file has another ending: redirect_take() leaves such a file in the statement, which then
+ * cannot be read. */
 void redirect_explain(const struct command *command, struct text statement, struct error *error)
 {
     const struct text rest = behind_sign(statement);

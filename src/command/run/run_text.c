@@ -27,8 +27,9 @@ static double gravity_in(const struct recording *recording)
                                                                                              : NAN;
 }
 
-/* Explains why a recording of the same time is not compared with the run, or in which unit it is
- * compared if it has none; and that it contains gravity. */
+/* Tells the user why a recording of the same time as the run is not compared with the run or, if
+ * the recording has no unit, in which unit it is compared; also that an acceleration contains
+ * gravity. */
 static void reply_not_compared(const struct session *session, const struct run *run,
                                struct reply *reply)
 {

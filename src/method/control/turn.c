@@ -59,8 +59,11 @@ static double turning_time(const struct near_turn *p, const struct near_turn *q)
     return (x - p->x) * (q->x - x) > 0 ? x : p->x + (q->x - p->x) / 2;
 }
 
-/* Ends a step at the turning point in it, if there is one: takes it again over better and better
- * estimates of that time, until the velocity is 0 within the tolerance. */
+/* Ends the step just taken at the turning point in it, if the velocity has changed its sign. The
+ * step began at time t in state y_begin, with the low parts `low` of compensated sums (or NULL); it
+ * is repeated up to better and better estimates of the turning time, until the velocity is 0 within
+ * the tolerance. Sets *turned, and step->h to the length of the step. Returns the status of the
+ * method's step. */
 enum step_status turn_step(const struct method *method, struct step *step, double t,
                            const double *y_begin, const double *low, bool *turned)
 {

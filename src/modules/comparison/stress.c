@@ -84,7 +84,8 @@ static const struct result_column of_total[] = {
 
 static const struct result_columns total_columns = RESULT_COLUMNS(of_total, struct stress_total);
 
-/* Lists the methods that are wrong in no case. */
+/* Appends the names of the methods that are wrong in no case, from total [methods], in lines of
+ * `width` cells. */
 static void put_right(const struct stress_total *total, int methods, int width,
                       struct buffer *output)
 {

@@ -61,7 +61,9 @@ static struct text take_argument(struct text *rest)
     return text_trim(argument);
 }
 
-/* Reads NAME=FROM:TO of a parameter. Returns false with *error. */
+/* Reads NAME=FROM:TO of a parameter and adds it to *words; `argument` is the text and `name` the
+ * part before '='. Returns false with *error if the parameter is unknown, given twice or a third
+ * one, or the range is not ascending. */
 static bool read_range(struct session *session, const struct arguments *args, struct text argument,
                        struct text name, struct branch_words *words, struct error *error)
 {

@@ -429,8 +429,9 @@ static void put_changes(const struct scene *previous, const struct scene *now,
                           SHOWN_QUANTITY(now->value[i], param_at(now, i)->quantity, 9));
 }
 
-/* Takes the parameters and the state of a stored solution into the scene, and tells which have
- * changed. */
+/* Executes `use` with a label of a special point, an orbit or an equilibrium: sets the scene's
+ * parameters and start to those of the stored solution, and replies with those that have changed.
+ * Returns false with *error if there is no such solution. */
 bool use_stored_solution(HANDLER_PARAMETERS)
 {
     const struct argument_value *label = argument_value(args, "N|LABEL"),

@@ -199,8 +199,8 @@ static void put_axis_unit(const struct ticks *ticks, struct text unit, struct bu
     }
 }
 
-/* Draws the title of an axis in the middle of the plot, or shifted if it is longer than the plot;
- * shortens it to the panel. */
+/* Draws the title of the vertical or horizontal axis with its unit, in the middle of the plot, or
+ * shifted if it is longer than the plot; it is shortened if it is longer than the panel. */
 static void draw_axis_title(struct page *page, bool vertical)
 {
     const struct picture_style *style = &page->style;

@@ -116,8 +116,8 @@ static bool conditions_hold(struct scene_program *p, struct text words)
     return all;
 }
 
-/* Appends a line of a template with its words replaced. A line that becomes empty is left out, and
- * a blank one that follows as many blank ones as the style of the language has. */
+/* Appends a line of a template, with each <<WORD>> replaced by program_word(). A line that becomes
+ * empty is left out, and a blank line where the style of the language allows no further one. */
 static void put_line(struct scene_program *p, struct text line)
 {
     struct buffer *const output = p->output;

@@ -115,8 +115,9 @@ static void warn_apart(const struct adoption *a, double rms, struct reply *reply
     buffer_free(&text);
 }
 
-/* Runs the scene, compares the run with the data, and adds text and record of the adoption to the
- * reply. `text` already lists the adopted values. */
+/* Runs the scene with the adopted values, compares the run with the recording, and adds text and
+ * record `adopt` to the reply, with a warning if they disagree. `text` already lists the adopted
+ * values. */
 static void reply_adoption(const struct adoption *a, struct buffer *text, struct reply *reply)
 {
     const struct fit *fit = &fits_of(a->session)->fit;
@@ -198,8 +199,9 @@ static int fitted_recording(const struct session *session)
                : -1;
 }
 
-/* Adopts the free parameters of a fit of the scene (`fit scene`). Returns false with the error for
- * fits of modes or formulas, or of another scene. */
+/* Executes `adopt` after `fit scene`: sets the fitted parameters, the zero of the recording and
+ * their uncertainties in the session's scene, and replies. Returns false with *error for fits of
+ * modes or formulas, or of another scene. */
 static bool adopt_curve(struct session *session, const struct arguments *args, struct reply *reply,
                         struct error *error)
 {

@@ -30,7 +30,8 @@ static void put_script(const struct session *session, int *head, struct buffer *
     history_put(session, 0, HISTORY_SCRIPT, output);
 }
 
-/* Ends the document with links to the other files and the text of session.hk. */
+/* Ends the report's document with links to the other files of the folder and the text of session.hk
+ * (`script`). */
 static void put_report_end(struct report *report, const struct buffer *script)
 {
     struct document *document = &report->document;

@@ -25,9 +25,9 @@ static double frame_distance(const struct frame *f, struct curve_point p)
     return hypot(p.x - f->centre.x, (p.y - f->centre.y) * (f->half.x / f->half.y));
 }
 
-/* Returns the signed number of turns (counterclockwise positive) around the frame's centre. *last
- * becomes the distance from it after the last complete turn, interpolated in the angle; the first
- * pass counts the turns, the second finds where the last complete one ends. */
+/* Returns how often the curve winds around the frame's centre, counterclockwise positive. Sets
+ * *last to the distance from the centre at the end of the last complete turn, interpolated in the
+ * angle; a first pass counts the turns, a second one finds that end. */
 static double turns_about(const struct frame *f, const struct points *p, double *last)
 {
     double sum = 0;

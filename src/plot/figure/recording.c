@@ -23,8 +23,8 @@ bool recording_shows(const struct recording *recording, const struct run *run, e
     return shown && recorded_derivative(recording, run) == (int)shown - (int)RECORDED_POSITION;
 }
 
-/* Returns the index of the recording that belongs into a plot without being asked for, or -1: the
- * current one, if the plot can show its quantity and it overlaps the run. */
+/* Returns the index of the recording that a plot shows when the user names none, or -1: the current
+ * one, if the plot can show its quantity and its window overlaps the run. */
 int figure_recording(const struct session *session, enum plot_kind kind)
 {
     const struct recording *recording = session_recording(session);

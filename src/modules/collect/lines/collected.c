@@ -65,8 +65,10 @@ struct collected_text {
     size_t count, came, remarks;
 };
 
-/* Splits the text of a file into lines and arrivals; reads the statement and the calibration among
- * its comments. Returns false if out of memory. */
+/* Splits the text of a collected file into *result: its lines (without arrival times), the arrival
+ * time and order of each, and where pauses were. Garbled lines, which contain '\', become empty.
+ * Statement and calibration in the comments are stored in *collected. Returns false if out of
+ * memory. */
 static bool split_lines(const struct table_text *text, struct arena *arena,
                         struct collected *collected, struct collected_text *result)
 {

@@ -399,7 +399,9 @@ bool order_sweep(const struct sweep_target *target, struct order *order, struct 
 
 /* ---- the study ---- */
 
-/* Measures the order of a method against a reference, and explains what spoils it. */
+/* Measures the order of a method: solves the scene with several step sizes, compares with a
+ * reference, fits the slope, and explains what spoils it. Returns false with *error if the duration
+ * is invalid, the method does not apply, or there is no reference. */
 bool study_order(const struct order_request *request, struct order *order, struct error *error)
 {
     struct system system;

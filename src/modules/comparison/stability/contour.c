@@ -68,8 +68,8 @@ static void link_edges(struct march *m, int a, int b)
     m->link[b][m->link[b][0] >= 0] = a;
 }
 
-/* Links the edges of a cell that lines cross: two of them, or four at a saddle, where the sign in
- * the middle decides which corners are cut off. */
+/* Links the edges of grid cell (i, j) that the boundary crosses: two of them, or four at a saddle,
+ * where the value in the middle decides which corners are cut off. */
 static void link_cell(struct march *m, int i, int j)
 {
     const bool corner[4] = {node_is_inside(m, i, j), node_is_inside(m, i + 1, j),

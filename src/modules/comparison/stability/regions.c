@@ -113,8 +113,9 @@ static void include_method(const struct method_choice *choice, double box[3])
     box[2] = fmax(box[2], 1.25 * fmax(fmax(high, middle), 0.7 * finite_or(real, 1)));
 }
 
-/* Returns the field whose zero lines are the boundaries in that plane, over a rectangle that holds
- * those of all methods. Its context is left to the caller. */
+/* Returns the field (function, rectangle, number of cells) whose zero lines are the stability
+ * boundaries in that plane, over a rectangle that contains those of all `count` methods. Its
+ * context is left to the caller. */
 static struct contour_field plane_field(enum region_plane plane, const struct stability *stability,
                                         int count)
 {

@@ -158,8 +158,9 @@ static void locate_all(struct branch_walk *w, const struct curve_place *next,
     }
 }
 
-/* Removes folds and Neimark-Sacker points at the same place as a branch point. Where two branches
- * cross, those tests may be 0, too. n is the number of unknowns. */
+/* Removes from found [*count] the folds and Neimark-Sacker points at the same position as a branch
+ * point: where two branches cross, the test functions of these may be 0, too. n is the number of
+ * unknowns. */
 static void leave_doubles_out(struct found_special *found, int *count, int n)
 {
     for (int i = 0; i < *count; i++)

@@ -217,7 +217,9 @@ static bool has_no_solution(const struct branch_request *r, const struct branch_
     return !is_occupied;
 }
 
-/* Checks that the orbit born at a Hopf point is on the side that the criticality predicts. */
+/* Checks that the orbit born at a Hopf point exists on the side of the parameter that the
+ * criticality predicts; `unstable` > 0 means that the equilibrium is unstable at larger values.
+ * Returns VERDICT_CONFIRMED also without a criticality, and VERDICT_OPEN if no orbit is found. */
 static enum branch_verdict confirm_birth(const struct branch_request *r,
                                          const struct branch_point *special, double unstable)
 {

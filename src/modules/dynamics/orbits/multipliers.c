@@ -140,8 +140,9 @@ static void eigenvalues_sort(int n, struct eigenvalue *value)
         }
 }
 
-/* Computes the smallest multiplier from the product of all, which Liouville's formula gives, if
- * that is more accurate. */
+/* Replaces the smallest multiplier, value[n - 1], by the product of all (log_determinant is its
+ * logarithm, by Liouville's formula) divided by the others, if it is real and that is more
+ * accurate. uncertain [n] are the relative errors; that of the smallest one is updated. */
 static void correct_smallest(int n, double log_determinant, struct eigenvalue *value,
                              double *uncertain)
 {

@@ -89,8 +89,9 @@ struct returns {
     double time[RETURNS_MAX], distance[RETURNS_MAX];
 };
 
-/* Follows the motion over `span` [s], and finds where it crosses the plane through its start in the
- * same direction. Sets s->extent and end [n]. Returns false if the motion cannot be followed. */
+/* Follows the motion over `span` [s] and stores in *found when it crosses the plane through its
+ * start in the same direction, and how far from the start. Sets s->extent, the size of the motion,
+ * and end [n], the state after that time. Returns false if the motion cannot be followed. */
 static bool find_returns(struct orbit_search *s, double span, struct returns *found, double *end)
 {
     const int n = s->field.n;

@@ -18,10 +18,10 @@ struct layer {
     size_t count;
 };
 
-/* Finds the layer of values of that width with the most samples on one side of the middle, in
- * *layer. Returns true if it is a flat top, as a clipped signal has: it has more than four times
- * the samples of the layer next to it, and hardly any samples lie beyond. Width 0 finds repeated
- * equal values. */
+/* Finds, on the upper or lower side of the middle, the layer of values of that width with the most
+ * samples, and stores it in *layer; width 0 finds repeated equal values. Returns true if it is a
+ * flat top, as a clipped signal has: with more than four times the samples of the layer next to it
+ * on the inside, beyond chance, and hardly any samples beyond. */
 static bool densest_layer(const struct cleaning *c, bool upper, double width, struct layer *layer)
 {
     const double *sorted = c->sorted;
@@ -62,8 +62,9 @@ static bool in_layer(const struct cleaning *c, size_t i, const struct layer *lay
     return c->y[i] >= layer->low && c->y[i] <= layer->high;
 }
 
-/* Searches a dense layer of values at the upper or lower side, checks that it is spread over at
- * least three cycles, and notes it as clipped. Its samples are excluded from fits. */
+/* Searches the upper or lower side for a flat top (a dense layer of values), and if it is spread
+ * over at least three cycles, notes it among the findings as clipped and excludes its samples from
+ * the fits. */
 void clean_clipped(struct cleaning *c, bool upper)
 {
     struct finding tops = {.size = NAN}, *clipped = &c->findings->finding[FINDING_CLIPPED];

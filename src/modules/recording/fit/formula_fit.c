@@ -178,9 +178,10 @@ static bool keep_formula_fit(struct refining *r, const struct curve_fit *trial)
     return true;
 }
 
-/* Fits the whole series from x and stores the result if it is the best so far. If `projected` is
- * true, linear parameters are solved for first, so that their start does not matter. Returns false
- * if the search has to end (cancelled, out of memory). */
+/* Fits the whole series from the start x and keeps the result if it is the best so far. With
+ * `projected`, linear parameters are solved for first, so that their start does not matter. Returns
+ * false if the search has to end (cancelled, out of memory); a fit that fails only leaves its
+ * error, for when no other is found. */
 static bool refine(struct refining *r, const double *x, bool projected)
 {
     struct arena scratch = {0};

@@ -269,11 +269,11 @@ double autocorrelation_factor(double rho)
     return (1 + rho) / (1 - rho);
 }
 
-/* Treats a correlation near that of a random walk as one, and a smaller one as an autoregressive
- * process. */
+/* Returns the factor by which the variance of the slope of a line through n samples is larger than
+ * for independent residuals, from their lag-1 correlation rho: 1 if rho may be chance, that of a
+ * random walk if rho is near 1, else that of an autoregressive process. */
 double line_correlation_factor(double rho, double n)
 {
-    /* The variance of a random walk about a line is n/15 of that of a step. */
     /* A correlation below two standard deviations is chance; one near that of a random walk is
      * treated as one. The variance of a random walk about a line is n/15 of that of a step. */
     static const double chance = 2, walk_factor = 1.5;

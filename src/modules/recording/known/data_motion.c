@@ -157,10 +157,10 @@ static bool good_velocity(const struct series *all, const unsigned char *use, st
     return true;
 }
 
-/* Computes in *motion the velocities of a recording, by its sensor or from its positions, and if
- * `energy` is set its energies by mass and spring constant. `series` holds its samples, NULL means
- * all in its window. The middle of the motion is the fitted offset, that of a growing recording, or
- * the mean. Returns false with the error. */
+/* Computes in *motion the velocities of a recording, from its sensor or its positions, and with
+ * `energy` also its energies, by mass and spring constant. `series` holds the samples; NULL means
+ * all in the window. The middle of the motion is the fitted offset, that of a growing recording, or
+ * the mean. Arrays are in the arena; rejected samples are NAN. Returns false with the error. */
 bool data_motion(const struct session *session, const struct recording *recording,
                  const struct series *series, bool energy, struct arena *arena,
                  struct data_motion *motion, struct error *error)

@@ -62,8 +62,8 @@ static bool sample_motion(const struct scene *scene, double motion[3 * LIMIT_VAR
     return true;
 }
 
-/* Adds the parameters, except those that are free, that influence the motion: each is changed a
- * little, and added if the motion changes. */
+/* Adds to the inputs those parameters of the scene that influence its motion, except the fitted
+ * ones (is_free): each is changed by PARAM_NUDGE_RELATIVE, and added if the motion changes. */
 void inputs_use_motion(struct inputs *inputs, const struct scene *scene, const bool *is_free)
 {
     double original[3 * LIMIT_VARIABLES], changed[3 * LIMIT_VARIABLES];

@@ -150,9 +150,10 @@ static int simplest_law(const struct law_evidence *e, const struct drag_fit *dra
     return simple;
 }
 
-/* Returns true if law i remains possible beside the simplest one. A law that contains the simplest
- * is never refuted: it remains if its further terms may take a considerable share of the loss, or
- * are weakly significant. beside_others is true if other laws remain anyway. */
+/* Returns true if law i remains possible beside the simplest one, with index `simple`. A law that
+ * contains the simplest is never refuted: it remains if its further terms may take a considerable
+ * share of the loss, or are weakly significant. beside_others is true if other laws remain anyway,
+ * so that the share need not be significant. */
 static bool law_remains(const struct law_evidence *e, const struct drag_fit *drag, int simple,
                         int i, bool beside_others)
 {
@@ -200,8 +201,9 @@ static int next_best(const struct drag_fit *drag, int best, bool parts)
     return next;
 }
 
-/* Appends the laws that remain and the reason: the BIC of one of them, or a possible further
- * term. */
+/* Appends the laws that cannot be distinguished (`simple` is the index of the simplest,
+ * drag->remaining the mask of all) and the reason: how close the BIC of the best rival is, or how
+ * much a further term could explain. */
 static void say_undecided(const struct law_evidence *e, int simple, const struct drag_fit *drag,
                           struct buffer *text)
 {

@@ -218,8 +218,9 @@ static void keep_start(const struct modes_search *s, const struct curve_fit *fit
     memcpy(residual, fit->residual, s->series.n * sizeof *residual);
 }
 
-/* Descends from each of the best trials, and stores the best minimum in *start and its residuals.
- * Returns false if there is none, or if cancelled. */
+/* Fits from each of the best trials (only the first if s->quick), and stores the best minimum in
+ * *start and its residuals in residual [n]. Returns false if no fit succeeds with positive
+ * frequencies. */
 static bool refine(struct modes_search *s, struct mode_start *start, double *residual)
 {
     const struct curve_options options = {.rough = true,

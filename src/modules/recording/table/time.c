@@ -164,7 +164,8 @@ static double stamp_step_min(const struct recording *recording)
     return smallest;
 }
 
-/* Spreads rows that share a stamp evenly between it and the next one. */
+/* Changes the times of consecutive rows with the same stamp, so that they are spread evenly from
+ * that stamp to the next one. The last group is spread like the one before. */
 static void spread_groups(struct recording *recording)
 {
     const size_t n = recording->rows;

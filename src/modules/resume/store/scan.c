@@ -5,7 +5,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Makes room in *list for one more item. Returns false if out of memory. */
+/* Makes room for one more item of `item` bytes in the array to which *list points (list is the
+ * address of a pointer), which holds `count` of *capacity items. Returns false, with the array
+ * unchanged, if out of memory. */
 static bool reserve(void *list, size_t count, size_t *capacity, size_t item)
 {
     if (count < *capacity)
