@@ -24,20 +24,20 @@ enum plot_kind {
     PLOT_PHASE,
     PLOT_VELOCITY,
     PLOT_ERROR,
-    PLOT_ORBIT, /* One coordinate against another. */
+    PLOT_ORBIT, /* One coordinate or column against another. */
     PLOT_ACCELERATION,
 };
 
 /* Kind of the horizontal axis. */
 enum plot_across { ACROSS_TIME, ACROSS_STATE, ACROSS_FREQUENCY, ACROSS_OTHER };
-/* Variables on the vertical axis: positions; velocities (in a first-order scene the second
- * variable); or second derivatives. */
+/* Variables on the vertical axis. VERTICAL_FIRST stands for positions, VERTICAL_RATE for velocities
+ * (the second variable of a first-order scene), VERTICAL_SECOND for second derivatives. */
 enum plot_vertical { VERTICAL_FIRST, VERTICAL_RATE, VERTICAL_SECOND };
-/* Kind of recorded values that the plot shows without conversion. */
+/* Kind of values of a recording that a plot shows without conversion. */
 enum plot_recorded { RECORDED_OTHER, RECORDED_POSITION, RECORDED_VELOCITY, RECORDED_ACCELERATION };
 
 struct reply;
-struct drawing; /* a figure in the making: <hooke/plot/drawing.h> */
+struct drawing; /* A figure that is being made, <hooke/plot/drawing.h>. */
 struct figure_request;
 
 /* The plane of a plot whose points are states of the scene, such as a portrait. */
@@ -49,11 +49,13 @@ struct plot_plane {
     double state[LIMIT_VARIABLES]; /* [SI] values of all variables, for those that are not shown. */
 };
 
-/* Functions that move the point of the cursors on such a plane. */
+/* Functions of a plot that move the point of the cursors on such a plane. */
 struct plane_row {
-    /* Fills *plane as it was drawn last. Returns false if none was drawn of this scene. */
+    /* Fills *plane with the plane of the last figure of this plot. Returns false if no figure of
+     * the current scene was drawn. */
     bool (*drawn)(const struct session *session, struct plot_plane *plane);
-    /* Moves the point to the next or previous special state. Returns false with `error` set. */
+    /* Moves the point to the next (forward) or previous special state, such as an equilibrium.
+     * Returns false with `error` set. */
     bool (*next)(const struct session *session, const struct plot_plane *plane, bool forward,
                  double point[2], struct error *error);
     /* Appends a description of the special state at the point, if there is one. */
@@ -62,11 +64,13 @@ struct plane_row {
 
 /* One kind of curves in the figure of a study, by columns of the study's table. */
 struct study_layer {
-    const char *y;     /* Column on the vertical axis; NULL ends the layers. */
-    const char *part;  /* Word in the column "part" of its rows; NULL for all rows. */
-    const char *value; /* Column whose value is appended to a curve's name, or NULL. */
-    const char *named; /* Name of that value, such as "slope". */
-    double max;        /* Larger values are left out; 0 for no limit. */
+    const char *y; /* Column on the vertical axis; NULL ends the layers. */
+    /* Only rows with this word in the column "part" are drawn; NULL draws all rows. */
+    const char *part;
+    /* Column whose value is appended to the name of the curve in the legend, or NULL. */
+    const char *value;
+    const char *named; /* Name of the appended value, such as "slope". */
+    double max;        /* Values above `max` are left out; 0 means no limit. */
     bool line;         /* A line with a gap at each row without numbers; otherwise points. */
     bool guide;        /* A thin straight line from the first to the last row with numbers. */
 };
@@ -102,32 +106,34 @@ struct plot_row {
     const char *title, *pane_label;
     /* Returns true if the plot makes sense for the model; NULL accepts any model. */
     bool (*fits)(const struct model *model);
-    const char *needs; /* Requirement that other models lack, for messages. */
-    /* Returns true if the session has what the plot shows; NULL stands for a run that fits, or such
-     * a recording. */
+    const char *needs; /* Property that models must have for fits(), for messages. */
+    /* Returns true if the session has the data that the plot shows. If NULL, the plot needs a run
+     * of a model that fits, or a recording that it can show. */
     bool (*offered)(const struct session *session);
-    /* Kind of recorded values that it shows. */
+    /* Kind of recorded values that the plot shows. */
     enum plot_recorded recorded;
-    bool any_recording; /* It shows any recording if there is no run. */
-    bool of_motion;     /* It shows velocities of a recording that are computed from positions. */
+    bool any_recording; /* The plot shows recordings of any quantity if there is no run. */
+    bool of_motion;     /* Velocities are computed from the positions of a recording. */
     /* Draws the residuals of a recording from a fit or a run; NULL for other plots. */
     bool (*residual)(struct drawing *d, const struct recording *recording);
-    /* It shows the results of a study, not runs; its figure fails if there are none. */
+    /* The plot shows results of a study instead of runs; making its figure fails without them. */
     bool of_study;
-    /* Command whose `> FILE.svg` writes it; NULL for the command of its own name, if any. */
+    /* Command for which `> FILE.svg` writes this plot; NULL stands for the command with the name of
+     * the plot, if there is one. */
     const char *command;
-    /* Description of how the table of its study is drawn, instead of figure(), or NULL. */
+    /* Description by which the table of the study is drawn, instead of by figure(); or NULL. */
     const struct study_picture *picture;
-    /* Computes that table, as records of the reply, for these methods (rows of the catalog; without
-     * any, those studied last or the current one). NULL if no methods may follow the plot's name.
-     * Returns false with `error` set. */
+    /* Computes the table of the study, as records of the reply, for method [methods], rows of
+     * method_catalog. With methods = 0 it takes those studied last, or the current method. NULL if
+     * no methods may follow the plot's name. Returns false with `error` set. */
     bool (*study)(struct session *session, const struct row *const *method, int methods,
                   struct reply *reply, struct error *error);
-    bool whole;    /* Its axes contain all points: options for ranges are refused. */
-    bool of_scene; /* It shows the scene, and its run if there is one. */
-    /* Make the curve of a run, and of a recording; if NULL they are columns of the trace. figure()
-     * makes the whole figure: then no other function is called. All return false with d->error set.
-     */
+    bool whole;    /* The axes always contain all points; options for ranges are refused. */
+    bool of_scene; /* The plot shows the scene, and a run of the scene if there is one. */
+    /* run_curve() makes the curve of a run; if NULL, curves are variables or the observable.
+     * data_curve() makes the curve of a recording; if NULL, the curve is the series. figure(), if
+     * not NULL, makes the whole figure, and the other two are not called. All return false with
+     * d->error set. */
     bool (*run_curve)(struct drawing *d, const struct run *run, struct curve *curve);
     bool (*data_curve)(struct drawing *d, const struct series *series, struct curve *curve);
     bool (*figure)(struct drawing *d, struct figure *figure);
@@ -137,28 +143,30 @@ struct plot_row {
     struct axis (*axis)(const struct drawing *d);
     /* Functions for the point of the cursors; NULL if points are not states. */
     const struct plane_row *plane;
-    /* Adds the numbers of the figure to the reply; NULL if there are none. */
+    /* Replies with the numbers that the figure shows; NULL if the plot has none. */
     void (*reply)(const struct session *session, const struct figure_request *request,
                   struct reply *reply);
-    /* Sets names of curves that have only marks, for pictures and words; may be NULL. */
+    /* Gives names to curves that only have marks, for pictures and words; may be NULL. */
     bool (*name_curves)(const struct session *session, struct arena *arena, struct figure *figure,
                         struct error *error);
-    /* Appends lines, `width` cells wide, for below a text figure; may be NULL. */
+    /* Appends lines, `width` cells wide, that are shown below a text figure; may be NULL. */
     void (*legend)(const struct session *session, int width, struct buffer *text);
-    const char *planned; /* Line of the command `plan` while its pane has the focus, or NULL. */
-    bool takes_column;   /* A column may follow its name, which is then drawn. */
-    bool coordinates;    /* It shows all coordinates of one quantity on one axis. */
-    /* It shows an energy that all its runs have: the kinetic energy if some have no potential. */
+    const char *planned; /* Line that `plan` adds while this plot's pane has the focus, or NULL. */
+    bool takes_column;   /* The name of a column, to be drawn, may follow the name of the plot. */
+    bool coordinates;    /* All coordinates of one quantity are drawn on one axis. */
+    /* The plot shows the total energy or, if some of its runs have no potential, the kinetic
+     * energy of all. */
     bool energy;
-    bool scaled; /* 'set phase-axes' applies: v/omega0. */
+    bool scaled; /* The setting phase-axes applies, by which v/omega0 can be drawn instead of v. */
     bool equal;  /* A unit has the same length on both axes. */
-    /* Each period has to be visible: the window is limited to what the width can show. */
+    /* Each period has to be visible, so that the window is limited to the number of periods that
+     * the width can show. */
     bool periods;
-    bool positive;  /* Never below zero: curves of different size get a logarithmic axis. */
+    bool positive; /* Values are never negative; curves of different size get a logarithmic axis. */
     bool from_zero; /* The vertical range includes zero, without a line. */
-    bool flat;      /* It is drawn from zero if it hardly varies. */
-    /* Some layout contains it; any other plot with the focus replaces the first pane of each
-     * layout. */
+    bool flat;      /* The vertical range includes zero if the curves hardly vary. */
+    /* Some layout of the screen contains the plot. A plot that is in no layout replaces the first
+     * pane while it has the focus. */
     bool in_layouts;
 };
 
@@ -168,33 +176,33 @@ extern const struct catalog plot_catalog;
 /* Returns the row of a plot. */
 const struct plot_row *plot_row(enum plot_kind kind);
 bool plot_is_timed(enum plot_kind kind); /* Returns true if the horizontal axis is the time. */
-/* Returns true if it shows one part of the state against another. */
+/* Returns true if the plot shows state variables against each other. */
 bool plot_is_plane(enum plot_kind kind);
 /* Returns true if the vertical axis shows state variables. */
 bool plot_shows_state(enum plot_kind kind);
-bool plot_of_recordings(enum plot_kind kind); /* Returns true if it can show recordings. */
+bool plot_of_recordings(enum plot_kind kind); /* Returns true if the plot can show recordings. */
 /* Returns true if the plot makes sense for a model: not every model has velocities or a second
  * coordinate. */
 bool plot_fits(enum plot_kind kind, const struct model *model);
 /* Returns true if the session has what the plot shows; an error plot, for example, needs a
  * reference. */
 bool plot_offered(const struct session *session, enum plot_kind kind);
-/* Returns the quantity on the horizontal (x) or vertical axis of the plot for the session's run or
- * scene. */
+/* Returns the quantity on the horizontal (`x` true) or vertical axis of the plot of the session's
+ * run or scene. */
 enum quantity plot_quantity(const struct session *session, enum plot_kind kind, bool x);
 
-/* Return, and set, the pane on which commands and zooming act. */
+/* Return, and set, the focus: the plot on whose pane commands and zooming act. */
 enum plot_kind view_focus(const struct view *view);
 void view_focus_on(struct view *view, enum plot_kind kind);
 
 /* A window of time that several plots share. */
 struct figure_window {
     struct axis axis;    /* Common time axis, fixed. */
-    double shown, total; /* [s] length of the window, and of all that could be shown */
+    double shown, total; /* Length [s] of the window, and of all times that could be shown. */
 };
 
-/* Range that the user gives for an axis. An open end is where the curves end; if both ends are open
- * the range is as narrow as the curves. */
+/* Range that the user gives for an axis. At an open end the axis ends with the curves; if both ends
+ * are open the axis shows exactly the range of the curves. */
 struct figure_range {
     double end[2]; /* Ends, NAN if open. */
     /* Quantity of the unit that was given, or QUANTITY_OTHER if the axis decides. */
@@ -208,17 +216,17 @@ struct figure_side {
     double range[2];
 };
 
-#define PEAKS_EACH 3 /* Number of lines that are named in one spectrum. */
-#define PEAKS_MAX 16 /* Number of lines that are named in all. */
+#define PEAKS_EACH 3 /* Largest number of peaks (lines) that are reported of one spectrum. */
+#define PEAKS_MAX 16 /* Largest number of peaks that are reported of all spectra of a figure. */
 
-/* A line of a spectrum that was drawn. */
+/* A peak of a spectrum that was drawn, also called a line. */
 struct figure_peak {
     const char *label; /* Label of its curve. */
     struct spectrum_peak line;
     enum quantity quantity; /* Quantity of the amplitude. */
 };
 
-/* The lines of all spectra of a figure. */
+/* The peaks of all spectra of a figure. */
 struct figure_peaks {
     struct figure_peak peak[PEAKS_MAX];
     int count;
@@ -234,8 +242,8 @@ struct figure_request {
     /* [methods] methods for the plot of a study: rows of the catalog. */
     const struct row *const *method;
     int methods; /* Number of methods. */
-    /* [columns] names of variables and observables that are drawn in PLOT_POSITION and PLOT_ORBIT,
-     * or NULL if the plot decides. horizontal_column is for PLOT_ORBIT. */
+    /* [columns] names of the variables and observables that PLOT_POSITION and PLOT_ORBIT draw, or
+     * NULL if the plot decides. horizontal_column is the one on the x axis of PLOT_ORBIT. */
     const struct text *column;
     int columns;
     struct text horizontal_column;
@@ -243,39 +251,38 @@ struct figure_request {
     const char *title;         /* Title of the table. */
     /* Event at whose times points are drawn, or empty to draw the whole course. */
     struct text event;
-    /* If there is an event, the column at the next event is drawn against that at this event
-     * (return map).
-     */
+    /* The value of the column at each event is drawn against its value at the event before (return
+     * map); needs `event`. */
     bool next;
     double window[2];                 /* [s] window of time, NAN to choose */
     const struct figure_range *x, *y; /* Ranges of the axes, or NULL if automatic. */
     struct figure_side side[2];       /* [sides] sides of a portrait. */
     int sides;
-    /* The option --band as typed, or empty: the confidence band of the adopted fit. */
+    /* The option --band as typed, which draws the confidence band of the adopted fit; or empty. */
     struct text band;
-    bool stored_band; /* Draws the band that the session has stored, if it belongs to this run. */
-    bool full;        /* Draws everything: the whole time, all curves on one axis. */
-    int width;        /* [cell] width on which it will be drawn */
+    bool stored_band; /* The band that the session has stored is drawn, if it belongs to the run. */
+    bool full;        /* The figure shows all times, and all curves on one axis. */
+    int width;        /* Width [cell] on which the figure will be drawn. */
     bool log;         /* The vertical axis is logarithmic. */
     const struct charset *charset; /* Characters; NULL stands for charset_ascii. */
     double trail; /* Number of periods in phase plot and orbit; 0 stands for 2, HUGE_VAL for all. */
-    bool whole_spiral; /* A phase plot whose turns grow or shrink shows all of them. */
-    /* Shows the newest part instead of the first one on a fixed time axis, for a live view. */
+    bool whole_spiral; /* A phase plot of a growing or shrinking motion shows all of its periods. */
+    /* The window shows the newest part of the run instead of the first one, for a live view. */
     bool follow;
     /* No other plot shares the time axis, so that periods have to be visible only if this plot
      * needs it. */
     bool alone;
-    bool running; /* The run is in progress: texts must not depend on its end. */
-    double span;  /* [s] length of time shown, or 0 for as much as the width can show */
-    int pages;    /* The window moves by span / pages at a time. */
-    double t_end; /* [s] time to which the axis extends at least; NAN if unknown */
-    struct figure_peaks *peaks; /* Receives the lines of spectra, or NULL. */
+    bool running; /* The run is in progress, so that texts must not depend on its present end. */
+    double span;  /* Length [s] of the time shown, or 0 for as much as the width can show. */
+    int pages;    /* The window of a live view (`follow`) moves by span / pages at a time. */
+    double t_end; /* Time [s] to which the axis extends at least; NAN if unknown. */
+    struct figure_peaks *peaks; /* Receives the peaks of spectra; may be NULL. */
     /* Window that all time plots of a screen share, or NULL to choose one for this plot. */
     const struct figure_window *shared;
 };
 
-/* Chooses the window for this time plot and all that share it. Returns false if there is nothing to
- * show or if out of memory. */
+/* Chooses a window of time for the plot of the request that other time plots can share
+ * (request->shared). Returns false if there is nothing to show or if out of memory. */
 bool session_window(const struct session *session, const struct figure_request *request,
                     struct arena *arena, struct figure_window *window);
 
@@ -283,8 +290,8 @@ bool session_window(const struct session *session, const struct figure_request *
 bool session_figure(const struct session *session, const struct figure_request *request,
                     struct arena *arena, struct figure *figure, struct error *error);
 /* Returns the number of coordinates that share the plot of the position: those of a second-order
- * scene, or the variables of a first-order one, of the same quantity; at most as many as there are
- * marks. */
+ * scene, or the variables of a first-order one, of the same quantity; at most the number of
+ * marks that distinguish curves. */
 int plot_coordinates(const struct model *model);
 /* Returns the index of the recording that the plot shows by default: the current one if it overlaps
  * the run; -1 if there is none. */
@@ -292,10 +299,10 @@ int figure_recording(const struct session *session, enum plot_kind kind);
 
 /* ---- cursors ---- */
 
-/* Readings of the two cursors, computed from struct cursors; NAN marks unknown values. */
+/* Readings of the two cursors A and B, computed from struct cursors; NAN marks unknown values. */
 struct cursor_reading {
-    double dt;                 /* [s] B - A */
-    double periods;            /* Number of periods between them. */
+    double dt;                 /* Time [s] from A to B. */
+    double periods;            /* Number of periods between A and B. */
     struct measured period;    /* [s] */
     struct measured frequency; /* [Hz] */
     double theory;             /* [s] period of the scene, with its linear damping */
@@ -316,25 +323,25 @@ void session_cursor_lines(const struct session *session, struct buffer *text);
 bool cursor_plane(const struct session *session, struct plot_plane *plane);
 /* Appends the command that begins a trajectory at the point, such as "start x=1,y=0.5". */
 void cursor_plane_start(const struct session *session, struct buffer *line);
-/* Appends two lines: the position of the point, and what is special there. */
+/* Appends two lines: the position of the point, and a description of the special state there. */
 void cursor_plane_lines(const struct session *session, struct buffer *text);
 
-/* Restores the cursors after a command that has changed the run or recording on which they are. */
+/* Moves the cursors to valid positions after a command has changed their run or recording. */
 void cursors_refresh(struct session *session);
 
 /* ---- comparison of a recording with a run (compared.c) ---- */
 
 /* Root mean square distance of a run from a recording, where they overlap in time and have the same
- * quantity. The recording alone decides which samples are bad, however far the run is from it:
- * those that the fit of a damped sine rejects or, if no such fit describes it, those that the
+ * quantity. Bad samples are left out. The recording alone decides which samples are bad: those that
+ * the fit of a damped sine rejects or, if no such fit describes the recording, those that the
  * search for faults masks. */
 struct data_distance {
-    double rms;     /* Rms distance; NAN if they do not overlap. */
+    double rms;     /* Distance in the recording's quantity [SI]; NAN if there is no overlap. */
     size_t bad;     /* Number of samples that were left out as bad. */
     int derivative; /* Derivative that was recorded: 0 position, 1 velocity, 2 acceleration. */
     enum quantity quantity; /* Quantity of the rms, the recording's. */
-    /* The recorded Y is compared as gain Y + at_zero with the run's first variable. For a voltage
-     * or a force (scaled) both numbers are fitted by least squares, and are NAN if the recording
+    /* If `scaled`, the recording is a voltage or force Y, and gain Y + at_zero is compared with the
+     * run's first variable. Both numbers are fitted by least squares, and are NAN if the recording
      * does not follow the run. */
     bool scaled;
     double gain, at_zero;
@@ -347,14 +354,14 @@ bool quantity_is_scaled(enum quantity quantity);
 /* Appends the scale that was fitted: "1 V = 2.31 cm, 0 V at y = 1.2 cm". */
 void put_scale(const struct data_distance *data, const struct run *run, struct buffer *text);
 /* Returns true if the unit of a recording is missing or unknown. Its numbers are then taken as
- * positions in metres or radians, and commands that compare them with a run state that. */
+ * positions in metres or radians, which commands that compare them with a run report. */
 bool recorded_bare(const struct recording *recording);
 /* Appends "has no unit", or "has the unit 'au', which is not known". */
 void put_bare(const struct recording *recording, struct buffer *text);
 /* Returns the derivative of a run's first coordinate that was recorded, 0 to 2, or -1 if none; if
  * `run` is NULL, by the recording's quantity alone. */
 int recorded_derivative(const struct recording *recording, const struct run *run);
-/* Returns name and quantity of that derivative. */
+/* Returns name and quantity of derivative 0, 1 or 2 of the run's first coordinate. */
 struct variable run_derivative(const struct run *run, int derivative);
 /* Computes the distance of a run from a recording. */
 struct data_distance run_data_distance(const struct run *run, struct recording *recording);

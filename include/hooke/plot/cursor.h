@@ -12,11 +12,11 @@ struct snap_point {
     int crossing;
 };
 
-/* The series on which the cursors are; memory is the arena's. */
+/* The run or recording on which the cursors are; memory is the arena's. */
 struct ground {
     /* Name, such as "run 1" or "data swing3". */
     char name[LIMIT_NAME + 16];
-    bool data; /* It is a recording. */
+    bool data; /* True for a recording, false for a run. */
     struct series series;
     struct overview overview;
     /* [crossings] upward crossings of the equilibrium, and [peaks] peaks, each searched for only if
@@ -26,13 +26,14 @@ struct ground {
     struct arena *arena;
 };
 
-/* Opens the run or recording according to session->view.cursors.on_data, or the other one if only
- * that exists. Returns false, with `error` set, if there is neither. */
+/* Fills *ground with the current recording if session->view.cursors.on_data, else with the current
+ * run, or with the other one if only that exists. Returns false, with `error` set, if there is
+ * neither. */
 bool ground_open(struct session *session, struct arena *arena, struct ground *ground,
                  struct error *error);
 double ground_spacing(const struct ground *ground); /* Returns the mean time [s] between samples. */
-/* Moves cursor `which` (0 for A, 1 for B) to time t [s], or to a point to which it snaps within
- * `reach` [s]. */
+/* Moves cursor `which` (0 for A, 1 for B) to time t [s], or to the nearest point to which cursors
+ * snap if that is within `reach` [s] of t. */
 void cursor_put(struct cursors *cursors, const struct ground *ground, int which, double t,
                 double reach);
 /* Moves the active cursor to the next (forward) or previous crossing, or to a peak if cursors snap
@@ -43,7 +44,8 @@ bool cursor_jump(struct cursors *cursors, const struct ground *ground, bool forw
  * too short. */
 bool cursor_span(struct cursors *cursors, const struct ground *ground, double n,
                  struct error *error);
-/* Moves A and B to the first and the last point to which they snap, else to both ends. */
+/* Moves A and B to the first and the last point to which they snap or, without such points, to both
+ * ends of the series. */
 void cursor_spread(struct cursors *cursors, const struct ground *ground);
 /* Moves both cursors to their times on a series that has changed, and to the nearest points if they
  * were at crossings. */

@@ -13,7 +13,8 @@ struct row_request {
     /* Number of columns of the screen. */
     int columns;
     double period; /* Period [s] of the motion, NAN if unknown. */
-    /* It is for a screen; the rows next to the interval are added, so that lines reach its ends. */
+    /* The curve is for a screen. Rows next to the interval are added, so that lines reach the ends.
+     */
     bool screen;
     /* State variables from `first` to first + count - 1 are drawn against the time: if there are
      * many rows, only those with extremes of one of them in each short interval. A count of 0
@@ -30,16 +31,17 @@ struct chosen_rows {
 /* Selects the rows for a curve, in the arena. Returns false, with `error` set, if out of memory. */
 bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
                  struct chosen_rows *rows, struct error *error);
-/* Returns true if the run's parameters never changed, as far as its current state shows. */
+/* Returns true if the present parameters of the run are those of its start. Parameters that were
+ * changed and set back are not detected. */
 bool run_never_changed(const struct run *run);
 
-/* Computes an observable at these rows into values [rows->n]. All rows are computed if the
- * observable sums up over the run or parameters have changed. Returns false, with `error` set, if
- * it is not defined, if cancelled or if out of memory. */
+/* Sets values [rows->n] to an observable at these rows. Computes all rows of the run for it if the
+ * observable is a sum over the run or if parameters have changed. Returns false, with `error` set,
+ * if it is not defined, if cancelled or if out of memory. */
 bool values_at_rows(const struct run *run, const struct observable *observable,
                     const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error);
-/* Does the same for a column. */
+/* Does the same for a column: a state variable or an observable. */
 bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
                     const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* drawing: a figure of a session in the making (struct drawing), for the functions of plots (struct
- * plot_row) that make curves and axes. Functions return false, or NULL, with d->error set, usually
- * if out of memory; memory is the arena's. */
+/* drawing: a figure of a session that is being made (struct drawing), for the functions of plots
+ * (struct plot_row) that make curves and axes. Functions that fail return false, or NULL, with
+ * d->error set, mostly because memory ran out. The memory of results is that of d->arena. */
 #pragma once
 
 #include <hooke/plot/curves.h>
@@ -11,15 +11,15 @@
 
 /* Smallest number of columns per period that is readable in ASCII. */
 #define PERIOD_COLUMNS_ASCII 8
-/* The same for characters with dots (block elements, braille). */
+/* Smallest number of columns per period for characters with dots (block elements, braille). */
 #define PERIOD_COLUMNS_DOTS 5
-/* The same for pictures, which count as PICTURE_COLUMNS columns wide. */
+/* Smallest number of columns per period in pictures, which have PICTURE_COLUMNS columns. */
 #define PERIOD_COLUMNS_PICTURE 2
-/* Largest number of columns drawn of one run: the number of marks. */
+/* Largest number of variables and observables drawn of one run; each needs a mark of its own. */
 #define DRAWN_COLUMNS (LIMIT_OVERLAY + 1)
 #define FRAME_COLUMNS 10 /* [cell] width that labels and frame need */
 
-/* A figure in the making. */
+/* A figure that is being made. */
 struct drawing {
     const struct session *session;
     const struct figure_request *request;
@@ -30,21 +30,21 @@ struct drawing {
     struct curve *curve;
     int curves;
     const struct model *model; /* Model of the runs, or NULL if there are none. */
-    int coordinates;           /* Number of curves of one run. */
+    int coordinates;           /* Number of curves that are drawn of each run. */
     /* Columns, if the request names them. */
     struct chosen_column column[DRAWN_COLUMNS], horizontal_column;
-    double omega0; /* [rad/s] divisor of v, or 1 */
-    /* [s] period of the first run, NAN if there is none */
+    double omega0; /* Divisor of v on the axis: omega0 [rad/s], or 1. */
+    /* Period [s] of the first run; NAN if it has none. */
     double period;
     double window[2];    /* Window of time [s]. */
-    double shown, total; /* [s] length of the window, and of all that could be shown */
+    double shown, total; /* Length [s] of the window, and of all times that could be shown. */
     /* Strongest line of the spectra; frequency 0 if there is none. */
     struct spectrum_peak line;
     /* Velocities and energies of the recording, if the plot needs them. */
     struct data_motion motion;
 };
 
-/* Returns the first of the variables on the vertical axis. */
+/* Returns the first of the variables that a plot of this kind has on its vertical axis. */
 const struct variable *vertical_variable(const struct model *model, enum plot_kind kind);
 
 /* Returns the row of the plot. */
@@ -60,15 +60,17 @@ static inline const struct recording *recording_of(const struct drawing *d)
                                       : NULL;
 }
 
-/* Finds the columns that the request names, which must have one unit because they share an axis. */
+/* Sets d->column and d->coordinates to the columns that the request names. They must have one unit,
+ * because they share an axis. */
 bool drawing_columns(struct drawing *d, const struct system *system);
 /* Returns the name of curve i of one run, or NULL if out of memory. */
 const char *drawing_label(const struct drawing *d, int i);
 
 /* Adds points for the columns at the times of the request's event. */
 bool drawing_event_records(struct drawing *d, const struct run_slot *slot);
-/* Draws the state of an adaptive run over time, or one variable against another, with curves
- * between the rows. Sets *drawn to true if it has drawn them, else the caller does. */
+/* Adds curves of the state of an adaptive run over time, or of one variable against another, that
+ * are smooth between the selected rows. Sets *drawn to false if smooth curves are not possible, so
+ * that the caller has to draw the rows, else to true. */
 bool drawing_smooth(struct drawing *d, const struct run *run, const struct chosen_rows *rows,
                     const char *label, bool *drawn);
 /* Returns the name of the run in a legend, or NULL if out of memory. */
@@ -77,41 +79,41 @@ const char *drawing_run_label(const struct drawing *d, const struct run *run);
 /* Returns true if the plot shows the values of the recording itself, not derivatives of them; `run`
  * may be NULL if no run is drawn. */
 bool recording_shows(const struct recording *recording, const struct run *run, enum plot_kind kind);
-/* Appends by how much the newest velocity is older than the newest sample while data are being
- * collected. */
+/* Appends, while data are being collected, the time by which the newest velocity is older than the
+ * newest sample. */
 void drawing_put_delay(const struct drawing *d, struct buffer *text);
 /* Returns true if velocities or energies have to be computed from the recording's positions. */
 bool drawing_needs_motion(const struct drawing *d, const struct recording *recording);
-/* Adds the curve of the recording, or of its residuals. */
+/* Adds the curve of the recording or, in plots of residuals, of its residuals. */
 bool drawing_recording(struct drawing *d, const struct recording *recording);
-/* Computes the velocities or energies of a recording into d->motion; without a run it is taken as
- * an oscillator. */
+/* Computes the velocities or energies of a recording into d->motion. If no run is drawn, the
+ * recording counts as that of an oscillator. */
 bool drawing_find_motion(struct drawing *d, const struct recording *recording);
 
-/* Sets unit and factor of an axis so that numbers of this size are short; an axis without units is
- * unchanged. */
+/* Sets unit and factor of an axis of this quantity so that values of this size [SI] have short
+ * labels. An axis of a quantity without units is unchanged. */
 void axis_suit(struct axis *axis, enum quantity quantity, double size);
 /* Returns the label of the vertical axis of a panel, or NULL if out of memory. */
 const char *drawing_y_label(const struct drawing *d, int panel);
 /* Draws columns of the request's table. */
 bool drawing_table(struct drawing *d, struct figure *figure);
-/* Draws the last table of a study. */
+/* Draws the last table of a study as *picture describes. */
 bool drawing_study(struct drawing *d, const struct study_picture *picture, struct figure *figure);
-/* Returns the last table of this kind, or NULL if there is none. */
+/* Returns the last table of this kind that the session has stored, or NULL if there is none. */
 const struct table *drawing_stored(const struct session *session, const char *kind);
 /* Returns the quantity of a column by its unit, or QUANTITY_NUMBER if it has none. */
 enum quantity column_quantity(const struct table_column *column);
-/* Sets the ranges of the request; `quantity` has those of x and y. */
+/* Sets the axes of the figure to the ranges of the request; quantity [2] are those of x and y. */
 bool drawing_ranges(const struct drawing *d, struct figure *figure,
                     const enum quantity quantity[2]);
-/* Chooses ranges, logarithmic axes and panels; `quantity` has those of x and y. */
+/* Chooses ranges, logarithmic axes and panels of the figure; quantity [2] are those of x and y. */
 bool drawing_scales(struct drawing *d, struct figure *figure, const enum quantity quantity[2]);
 /* Makes the curve of a recording in the phase plot: v against y, about the equilibrium, in the
  * units of the plot. */
 bool drawing_phase_data(struct drawing *d, const struct series *series, struct curve *curve);
 
-/* Returns the period [s] that the scene, or the sizes of its variables, suggest for a run, or NAN.
- */
+/* Returns the period [s] of the run's scene or, if it is unknown, one estimated from the natural
+ * sizes of position and velocity; NAN if there is neither. */
 double run_rhythm(const struct run *run);
 bool run_goes_back(const struct run *run); /* Returns true if the time decreases from row to row. */
 /* Returns an automatic axis in a unit that suits values of this size [SI]. */
@@ -119,14 +121,14 @@ struct axis quantity_axis(const char *label, enum quantity quantity, double size
 struct axis time_axis(const double window[2]); /* Returns a fixed time axis for a window [s]. */
 /* Chooses d->window; d->model and d->period must be set. */
 void drawing_window(struct drawing *d);
-/* Returns the number of periods that phase plot and orbit show. */
+/* Returns the number of periods that phase plot and orbit show; HUGE_VAL for all. */
 double drawing_trail(const struct drawing *d);
-/* Returns true if a phase plot shows all turns of a run because they grow or shrink. d->period and
- * d->total must be set. */
+/* Returns true if a phase plot shows all periods of a run because its motion grows or shrinks, as a
+ * spiral. d->period and d->total must be set. */
 bool drawing_shows_spiral(const struct drawing *d);
-/* Labels the start of the first turn and the end of the last one of such a run. Returns false with
- * the error if out of memory. */
+/* Adds labels at the start and at the end of such a spiral. Returns false, with d->error set, if
+ * out of memory. */
 bool drawing_label_turns(const struct drawing *d, struct figure *figure);
-/* Returns the selection of rows that are drawn in a window: only extremes of many rows if nothing
- * but states over the time is drawn. */
+/* Returns the selection of rows that are drawn in a window [s]. If only state variables are drawn
+ * over time and there are many rows, it contains only rows with extremes. */
 struct row_request drawing_rows(const struct drawing *d, const double window[2]);
