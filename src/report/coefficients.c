@@ -17,8 +17,9 @@ static const double fraction_rounding = 2;
  * denominator in one case of ten thousand. */
 static const double denominator_max = 4e5;
 
-/* Finds the fraction that equals a positive number within rounding, by its continued fraction.
- * Returns false if there is none with a denominator up to denominator_max. */
+/* Finds the fraction *numerator / *denominator that equals a positive number within rounding, by
+ * its continued fraction. Returns false, with both unchanged, if there is none with a denominator
+ * up to denominator_max. */
 static bool find_fraction(double value, double *numerator, double *denominator)
 {
     double p[2] = {1, floor(value)}, q[2] = {0, 1}, rest = value - floor(value);

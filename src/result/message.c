@@ -231,8 +231,8 @@ static void put_error_text(struct buffer *output, const struct error *error,
 }
 
 /* Narrows a statement that was joined from several lines of a file down to the line with the error:
- * sets *line to its text and *where to `own`, a copy with its number. Returns the column, or 0 if
- * it is unknown. */
+ * *line is in and out, its text; *where is in and out, the source, which becomes `own`, a copy with
+ * that line's number. Returns the column of the error, or 0 if it is unknown. */
 static size_t find_error_line(const struct error *error, const struct source **where,
                               struct source *own, struct text *line)
 {

@@ -21,8 +21,8 @@ static const char *step_word(double count)
     return count == 1 ? "step" : "steps";
 }
 
-/* Describes the oscillator that was recognised in typed equations; appends nothing for other
- * scenes. */
+/* Appends the parameters of the oscillator that was recognised in the equations that the user typed
+ * (omega0 or k/m, gamma, drag, constant force, drive); appends nothing for other scenes. */
 static void describe_recognised(const struct system *system, struct buffer *text)
 {
     const struct oscillator *o = &system->oscillator;

@@ -175,9 +175,10 @@ static void adaptive_batch_repeat(struct run *run, const struct adapted_from *sa
         method_adapt_many(&p->step, &run->controller, end, count, row, &status);
 }
 
-/* Takes up to `count` adaptive steps, writes them to `row` [count][n + 1] and records them; ends
- * before the first one that is out of bounds or has no room. Returns the number of steps, after
- * which the state of the run is the last of them. */
+/* Takes up to `count` adaptive steps towards time `end`, writes their states and times to row
+ * [count][n + 1] and records them; in_trace tells that row is memory of the trace. Ends before the
+ * first step that is out of bounds or has no room, and sets *stop if the run has to stop. Returns
+ * the number of steps; the run's state is then that after the last of them. */
 static int64_t adapt_within(struct run *run, double end, int64_t count, double *row, bool in_trace,
                             enum stop *stop)
 {

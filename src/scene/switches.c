@@ -148,7 +148,9 @@ void system_guards(const struct system *frozen, double t, const double *y, doubl
         sliding_guards(frozen->sliding, t, y, guard);
 }
 
-/* Returns the branch that switch i goes to where its guard passes 0. */
+/* Returns the branch to which switch i of the frozen system changes where its guard passes 0, at
+ * time t and state y: the one to which sliding motion leaves, the other sign, or the neighbouring
+ * integer for steps such as floor. */
 double system_next_branch(const struct system *frozen, int i, double t, const double *y)
 {
     const double leaves = frozen->sliding ? sliding_leaves(frozen->sliding, i, t, y) : NAN;

@@ -57,7 +57,9 @@ static bool shot_text(void *context, const struct session *session, struct buffe
     return ok;
 }
 
-/* Writes the screen to a file. */
+/* Writes the present screen to a file, in the format that the path's ending names, with the command
+ * line that is being edited; context is the struct panes, and `policy` says whether a file may be
+ * replaced. Returns false with *error. */
 static bool shot_file(void *context, const struct session *session, const char *path,
                       struct write_policy policy, struct error *error)
 {

@@ -24,8 +24,9 @@ static double planned_end(const struct run *run)
     return span > 0 ? run->system.t0 + direction * span : NAN;
 }
 
-/* Lists the indices of the runs to draw: the current run, then its overlays with the same model.
- * Returns their number, 0 while a recording is collected. */
+/* Lists in placed[] the indices of the runs to draw: the current run, then its overlays with the
+ * same model, as other models have other variables. Returns their number, which is 0 while a
+ * recording is collected. */
 static int list_shown_runs(const struct session *session, int placed[1 + LIMIT_OVERLAY])
 {
     const struct run *present = session_run(session);

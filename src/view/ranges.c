@@ -37,10 +37,10 @@ static void extent_include(struct extent *extent, double value)
     }
 }
 
-/* Fixes the range of an axis to the extent, rounded outwards to quarter steps of its labels, so
- * that it changes rarely and not in every frame. An oscillation about zero gets the same room on
- * both sides. An extent of rounding errors only is left automatic. `rows` is the height of the
- * pane. */
+/* Fixes the range of an automatic axis to the extent, rounded outwards to quarter steps of its
+ * labels, so that it changes rarely and not in every frame. An oscillation about zero gets the same
+ * room on both sides. An extent due to rounding errors leaves the axis automatic. `rows` is the
+ * height of the pane. */
 static void axis_settle(struct axis *axis, struct extent extent, int rows)
 {
     if (extent.low < 0 && extent.high > 0 &&

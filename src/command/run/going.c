@@ -134,7 +134,9 @@ static double time_left(const struct run *run, const struct run_target *target, 
     return left;
 }
 
-/* Returns false if the rest of the run would take too long and the user does not allow it. */
+/* Estimates from `pace` how long the remaining run would take, in advance->left [s]. Returns false
+ * if that is too long and the user, who is asked where possible, does not allow it; otherwise true,
+ * and once allowed it is not asked again. `first` is the step at which this advance began. */
 static bool may_continue(struct session *session, const struct run *run, struct advance *advance,
                          int64_t first, struct step_pace *pace)
 {

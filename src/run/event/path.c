@@ -221,12 +221,10 @@ static bool through_middle(struct step_path *path)
     return fine && is_followed(path, 0, 1, resolved);
 }
 
-/*
- * Fits the polynomial of part k of `pieces`. Its error is bounded by its last terms: (theta - a) …
- * (theta - b) of the next one is below 1e-2 of the largest power. Returns false if these are too
- * large a share of the motion: bounds of the second derivative, whose error is 1e4 times as large,
- * must show how the path bends.
- */
+/* Fits the polynomial of part k of `pieces` equal parts of the step. Its error is bounded by its
+ * last terms, as the next one, (theta - a) … (theta - b), is below 1e-2 of the largest power.
+ * Returns false if these are too large a share of the motion: the second derivative, whose error is
+ * 1e4 times as large, must show how the path bends. */
 static bool fit_piece(struct step_path *path, int k, int pieces)
 {
     static const double left_out = 0.1, smooth = 1e-2, resolved = 1e-7;

@@ -191,7 +191,8 @@ static struct affine_form number(double value)
     return (struct affine_form){.part = {[CONSTANT] = value}, .known = true};
 }
 
-/* Returns the form of an operation on the forms a, b, c; unknown if it is not such a sum. */
+/* Returns the result of the node's operation on operands with the affine forms a, b, c, as such a
+ * form, or `unknown` if the result is not a sum of the functions in enum affine_part. */
 static struct affine_form affine_of_node(const struct node *node, const struct affine_form *a,
                                          const struct affine_form *b, const struct affine_form *c)
 {

@@ -203,11 +203,10 @@ static double position_length(const double *q, int rows)
     return r;
 }
 
-/*
- * Goes around 0 and not through it, from (1, 0, ...) or, in one coordinate, from the 1 of the same
- * sign: the logarithm of the radius and the angle grow evenly. With q = r (cos, sin u) the unit
- * vector u is across the first axis.
- */
+/* Sets q and tangent [rows] to the point at s (0 to 1) of a path to path->q_end that goes around 0,
+ * not through it, and to the derivative by s. The path begins at (1, 0, ...) or, in one coordinate,
+ * at the 1 of the same sign; the logarithm of the radius and the angle grow evenly. With q = r
+ * (cos, sin u) the unit vector u is across the first axis. */
 static void around_origin(const struct force_path *path, double s, double *q, double *tangent)
 {
     const int rows = path->rows;

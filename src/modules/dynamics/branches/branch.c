@@ -53,8 +53,10 @@ static double longest_step_at(const struct branch_walk *w, const struct curve_pl
                 3 * longest * curve_unit(n, point->u) / sqrt(sum));
 }
 
-/* Halves the step until it converges, turns little and, for `resolves`, changes the sign of no test
- * twice. */
+/* Finds the next point of a curve, *next, from `current` (previous may be NULL): halves *step, in
+ * arclength, until the step converges and turns little and, if `resolves` is not NULL, until no
+ * test function of that branch changes its sign twice. Returns false if the step becomes too small
+ * compared with `longest`, or if cancelled. */
 bool curve_next(const struct curve_problem *problem, const struct curve_place *previous,
                 const struct curve_place *current, double *step, double longest,
                 struct branch_walk *resolves, const struct cancel *cancel, struct curve_place *next)

@@ -114,7 +114,9 @@ static double release_time(const struct dry_walk *w, double end)
     return end;
 }
 
-/* Stores the samples of the resting body up to t_end. */
+/* Stores the samples from number w->i on up to t_end, while the body rests: the value and its
+ * derivatives by the parameters are those of the present state or, for a curve of the rate, 0.
+ * Advances w->i. */
 static void put_resting(struct dry_walk *w, double t_end)
 {
     const struct sampling *s = w->sampling;

@@ -193,7 +193,9 @@ static bool is_coefficient_zero(const struct graph *g, int i)
     return g->has_terms && is_node_value(g, i, 0);
 }
 
-/* Returns the source of a result that is the number 0, by those of its operands. */
+/* Returns the zero_mark of the result of an operation whose value is the number 0, by those of its
+ * operands: a product with an absent term is absent, too, while a sum is only if both summands are.
+ */
 static enum zero_mark mark_of_result(const struct graph *g, const struct node *node)
 {
     const enum zero_mark a = mark_of(g, node->operand[0]);

@@ -94,8 +94,8 @@ static int register_take(struct emitter *e)
     return best;
 }
 
-/* Returns a register with the value of a place, which may be overwritten: the one that has it if
- * the value is not used any more (`last`), else a copy. */
+/* Returns a register with the value of a slot that the code may overwrite: the register that has
+ * the value if it is not used any more (`last`), else a copy in another one. */
 static int take_value(struct emitter *e, int slot, bool last)
 {
     const int own = e->where[slot];
