@@ -39,7 +39,8 @@ struct hooke_table; /* Columns of values or texts, owned by the caller. */
 
 /* Flags of hooke_open(). */
 enum hooke_open_flag {
-    HOOKE_SAFE = 1, /* As the option --safe: writes only below the current directory. */
+    HOOKE_SAFE =
+        1, /* Allows writing only below the current directory, as the option --safe does. */
 };
 
 /* An error; texts belong to the session. */
@@ -71,16 +72,17 @@ HOOKE_PUBLIC int hooke_run(struct hooke *hooke, const char *lines);
  * signal handler. That call then returns status 130. Without effect if nothing is executed. */
 HOOKE_PUBLIC void hooke_cancel(struct hooke *hooke);
 
-/* Return the results, and the warnings, notes and errors, that the last hooke_run() printed, in
- * the form that the prompt shows. Never return NULL. */
+/* Return the text that the prompt would have shown for the last hooke_run(): its results, and its
+ * warnings, notes and errors. Never return NULL. */
 HOOKE_PUBLIC const char *hooke_output(const struct hooke *hooke);
 HOOKE_PUBLIC const char *hooke_messages(const struct hooke *hooke);
 /* Returns the error of the last hooke_run() or hooke_table(), or NULL if it succeeded. */
 HOOKE_PUBLIC const struct hooke_error *hooke_error(const struct hooke *hooke);
 
-/* Finds a value by its name, in SI units: a parameter, a derived quantity, a variable of the
- * current run, a result such as measured_period. The standard uncertainty is 0 if none is known;
- * both pointers may be NULL. Returns 1, or 0 if the name is unknown or has no value. */
+/* Sets *value to the value [SI] that has this name: a parameter, a derived quantity, a variable of
+ * the current run, a result such as measured_period. Sets *uncertainty to the standard uncertainty
+ * [SI], 0 if none is known. Either pointer may be NULL. Returns 1, or 0 with nothing set if the
+ * name is unknown or has no value. */
 HOOKE_PUBLIC int hooke_value(const struct hooke *hooke, const char *name, double *value,
                              double *uncertainty);
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
- * data: recordings, which are measured rows from a file or a sensor, and what is wrong with them.
+ * data: recordings, which are measured rows from a file or a sensor, and their faults.
  *
  * The module `recording` makes a struct recording from a file, chooses its time and value columns,
  * and finds its faults (struct findings). recording_window() selects the part in use,
@@ -36,16 +36,14 @@ struct column {
 
 /* Source of the times of a recording. */
 enum time_source {
-    /* A column of times. */
-    TIME_COLUMN,
-    /* An index column and the option rate=. */
-    TIME_INDEX,
-    TIME_RATE /* No column: the row number and a rate. */
+    TIME_COLUMN, /* A column of times. */
+    TIME_INDEX,  /* A column of indices, divided by the sampling rate of the option rate=. */
+    TIME_RATE    /* The number of the row, divided by a sampling rate; no column. */
 };
 
-/* Clock of a recording that was collected from a sensor: times sent by the device; a robust line
- * through the arrival times of the lines; or the arrival times themselves, if they are too uneven
- * for a line. */
+/* Source of the times of a recording that was collected from a sensor. CLOCK_DEVICE stands for
+ * times that the device sent, CLOCK_ARRIVAL for a robust straight line through the arrival times of
+ * the samples, CLOCK_UNEVEN for the arrival times themselves, which are too uneven for a line. */
 enum collected_clock { CLOCK_DEVICE, CLOCK_ARRIVAL, CLOCK_UNEVEN };
 
 /* Facts about a recording that was collected from a sensor. Its file has the arrival time before
@@ -53,23 +51,22 @@ enum collected_clock { CLOCK_DEVICE, CLOCK_ARRIVAL, CLOCK_UNEVEN };
 struct collected {
     enum collected_clock clock;
     size_t lines;    /* Lines received, without blank ones: the sum of the next five. */
-    size_t samples;  /* Number of samples, which are rows with a value. */
-    size_t skipped;  /* Lines before the first sample: text, a heading, half a line. */
-    size_t garbled;  /* Later lines that are no sample, or have none in the chosen column. */
+    size_t samples;  /* Number of samples, which are lines with a value in the chosen column. */
+    size_t skipped;  /* Lines before the first sample, such as text, a heading, half a line. */
+    size_t garbled;  /* Later lines without a value in the chosen column. */
     size_t repeated; /* Lines with the same time as the previous one. */
-    /* Comment lines. */
-    size_t remarks;
+    size_t remarks;  /* Comment lines. */
     size_t lost;     /* Number of lines that must have been lost between those received. */
-    bool lost_known; /* `lost` is certain; otherwise there may be more. */
-    bool by_rate;    /* There are no times: they follow from the option rate=. */
-    /* [Hz] rate of the samples; its value is NAN if unknown. [s] standard and largest deviation of
-     * the arrivals from the line. */
+    bool lost_known; /* No more than `lost` lines were lost; otherwise there may be more. */
+    bool by_rate;    /* Times follow from the option rate=, since lines contain none. */
+    /* Rate of the samples [Hz], NAN if unknown. Below it, the standard and the largest deviation
+     * [s] of arrival times from the straight line of CLOCK_ARRIVAL. */
     struct measured rate;
     double jitter, largest;
-    double last; /* [s] arrival time of the last line */
-    /* Statement that collected it, according to its file; empty if the file has none. */
+    double last; /* Arrival time [s] of the last line. */
+    /* Statement that collected the recording, as its file quotes it; empty if there is none. */
     struct text statement;
-    struct calibration calibration; /* Calibration according to its file. */
+    struct calibration calibration; /* Calibration that the file of the recording states. */
 };
 
 /* One of several runs of an experiment in a file, side by side (columns) or below each other
@@ -85,25 +82,27 @@ struct recording {
     char *path;
     char format[32];       /* Name of the format that read it. */
     const char *container; /* Container of the file ("zip", "xlsx", …), or NULL for plain text. */
-    uint64_t sum;          /* bytes_sum() of its file, or 0 if that has more than SUMMED_BYTES. */
-    size_t rows;           /* Number of rows, without dropped ones. */
-    size_t dropped;        /* Number of rows in the file that could not be used. */
+    /* bytes_sum() of the file, or 0 if the file has more than SUMMED_BYTES bytes. */
+    uint64_t sum;
+    size_t rows;    /* Number of rows, without dropped ones. */
+    size_t dropped; /* Number of rows in the file that could not be used. */
     /* [columns] columns of the file. */
     struct column *column;
     int columns;
-    /* [runs] runs in the file. */
+    /* [runs] runs (repetitions of the experiment) in the file. */
     struct recording_run *run;
-    /* Number of runs in the file (0 if it has no runs), and index of the one that was read. */
+    /* Number of runs (0 if the file does not separate runs), and index of the run that was read. */
     int runs, taken;
     int time, value; /* Indices of the chosen columns; time is -1 with TIME_RATE. */
     enum time_source source;
-    double rate;         /* [1/s] sampling rate, 1/dt */
-    double header_rate;  /* [1/s] sampling rate that the header of the file states, or 0 */
-    double header_start; /* [s] time of the first sample that the header states */
-    /* The header's rate is better than the column of times, which is rounded or counts samples. */
+    double rate;         /* Sampling rate [1/s], 1/dt. */
+    double header_rate;  /* Sampling rate [1/s] that the header of the file states, or 0. */
+    double header_start; /* Time [s] of the first sample that the header states. */
+    /* Times follow from header_rate instead of the column of times, because the column is rounded
+     * or counts samples. */
     bool header_rules;
-    /* [s] sampling interval: slope of the line through all time stamps if they are even, else the
-     * mean step */
+    /* Sampling interval [s]: the slope of the line through all time stamps if they are even, else
+     * the mean step. */
     double dt;
     /* Relative standard uncertainty of dt due to the rounding of time stamps; 0 if they are exact.
      */
@@ -114,39 +113,39 @@ struct recording {
     char decimal;   /* Decimal sign, '.' or ','. */
     /* [warnings] sentences about peculiarities of the file, with counts and line numbers. */
     char **warning;
-    int warnings; /* Number of sentences: at most 10, and one that counts the remaining kinds. */
-    int unsaid;   /* Number of remaining kinds of warnings. */
-    double window[2];     /* [s] part in use, in the file's time; the whole file by default */
-    double zero;          /* [SI] zero that is subtracted from the values; 0 by default */
-    struct measured mass; /* [kg] mass on the spring; 0 if not set */
+    int warnings;         /* Number of sentences: at most 10, and one that counts further ones. */
+    int unsaid;           /* Number of kinds of warnings beyond these 10. */
+    double window[2];     /* Begin and end [s] of the part in use, in the file's time. */
+    double zero;          /* Value [SI] that is subtracted from the values; 0 by default. */
+    struct measured mass; /* Mass [kg] on the spring; 0 if not set. */
     /* Name of the recording that holds the sensor's velocities, or "" if there is none. */
     char velocity[LIMIT_NAME + 1];
     size_t repeated, backward;       /* Numbers of dropped rows whose time repeats or goes back. */
     const struct findings *findings; /* Faults; NULL if they have not been searched for. */
-    bool cleaned;                    /* Samples masked by the findings are left out. */
+    bool cleaned;                    /* Samples that findings->mask marks are left out. */
     double *t;                       /* [rows] time [s], increasing, never NAN; owned */
     double *y; /* [rows] chosen value [SI] before `zero` is subtracted, NAN if missing; owned */
     uint32_t *line; /* [rows] line of the file, counted from 1; owned */
-    /* Facts of collecting, or NULL if it was loaded from another file. */
+    /* Facts about the collection from a sensor; NULL for a recording of another origin. */
     const struct collected *collected;
     struct calibration calibration; /* Calibration that was applied to its values. */
-    const struct cancel *cancel;    /* Flag that stops computations with it; may be NULL. */
-    /* Owner of everything but the arrays of rows: column[].value, t, y, line. */
+    const struct cancel *cancel; /* Flag that stops computations with the recording; may be NULL. */
+    /* Owner of all memory except the arrays of rows: column[].value, t, y, line. */
     struct arena arena;
 };
 
 /* Frees a recording with everything that it owns; NULL is allowed. */
 void recording_destroy(struct recording *recording);
-/* Selects the part from t_begin to t_end [s]; NAN stands for the first or last time. Returns false,
- * with `error` set and nothing changed, if it has no samples. */
+/* Selects the part from t_begin to t_end [s] for use; NAN stands for the first or last time.
+ * Returns false, with `error` set and nothing changed, if the part has no samples. */
 bool recording_window(struct recording *recording, double t_begin, double t_end,
                       struct error *error);
 /* Selects the whole file with all samples, sets the zero to 0 and forgets the sensor's velocities.
  */
 void recording_restore(struct recording *recording);
 /* Copies the part in use, without missing or masked values and with the zero subtracted, to a
- * series in the arena. Returns false, with `error` set, if it has fewer than `min` samples or if
- * out of memory. */
+ * series in the arena. Returns false, with `error` set, if the series has fewer than `min`
+ * samples or if out of memory. */
 bool recording_series(const struct recording *recording, struct arena *arena, size_t min,
                       struct series *series, struct error *error);
 
@@ -155,48 +154,44 @@ bool recording_series(const struct recording *recording, struct arena *arena, si
 /* Kinds of faults. */
 enum finding_kind {
     FINDING_SPIKES,    /* Missed echoes: one or two samples far from their neighbours. */
-    FINDING_SHOULDERS, /* Double echoes: more of them in a row, on one side. */
-    FINDING_STUCK,     /* The same value repeated while it should change. */
-    FINDING_CLIPPED,   /* Flat tops. */
-    FINDING_QUANTISED, /* Few different values: coarse resolution. */
-    FINDING_START,     /* Rest, hand or release before the free oscillation. */
-    FINDING_END,       /* Rest or a hand after it. */
-    /* Gaps in time. */
-    FINDING_GAPS,
-    FINDING_MISSING, /* Rows without a value. */
-    /* Times that repeat. */
-    FINDING_REPEATED,
-    /* Times that go back. */
-    FINDING_BACKWARD,
-    FINDING_SWAY, /* The amplitude rises and falls: swaying. */
-    /* Number of kinds. */
-    FINDINGS
+    FINDING_SHOULDERS, /* Double echoes: more far samples in a row, all on the same side. */
+    FINDING_STUCK,     /* A value that repeats although the motion continues. */
+    FINDING_CLIPPED,   /* Flat tops, where the range of the sensor ends. */
+    FINDING_QUANTISED, /* Few different values, since the resolution is coarse. */
+    FINDING_START,     /* Rest, a hand or the release before the free oscillation. */
+    FINDING_END,       /* Rest or a hand after the free oscillation. */
+    FINDING_GAPS,      /* Gaps in time. */
+    FINDING_MISSING,   /* Rows without a value. */
+    FINDING_REPEATED,  /* Times that repeat. */
+    FINDING_BACKWARD,  /* Times that go back. */
+    FINDING_SWAY,      /* Swaying, by which the amplitude rises and falls. */
+    FINDINGS           /* Number of kinds. */
 };
 
-/* Number of places that are remembered of each kind. */
+/* Number of stretches of each kind whose times are stored. */
 #define FINDING_STRETCHES 3
 
 /* The faults of one kind. */
 struct finding {
-    size_t count;     /* Number of samples, or of rows for gaps and times. */
-    size_t stretches; /* Number of contiguous stretches that they form. */
-    /* [s] beginnings of the first stretches, NAN beyond their number */
+    size_t count;     /* Number of faulty samples; of rows for gaps and times. */
+    size_t stretches; /* Number of stretches of successive samples that they form. */
+    /* Times [s] at which the first stretches begin; NAN if there are fewer stretches. */
     double first[FINDING_STRETCHES];
-    /* Size [SI]: the largest deviation; the level of a clipped top; the size of steps; the length
-     * of a gap [s]; or the relative modulation of sway (rms). NAN if it does not apply. */
+    /* Size of the fault, by its kind: the largest deviation [SI], the level of a clipped top [SI],
+     * the resolution [SI], the length of a gap [s], or the relative modulation by sway (rms). NAN
+     * for other kinds. */
     double size;
 };
 
-/* The result of a search for faults; part of its recording. */
+/* The result of a search for faults of a recording, which owns it. */
 struct findings {
     struct finding finding[FINDINGS];
-    unsigned char *mask; /* [rows] 0 for a good sample, else 1 + the kind that masks it */
-    /* Number of masked samples. */
-    size_t masked;
-    double window[2];   /* [s] part in which it swings freely */
-    double rests;       /* [s] time from which it is at rest; NAN if it moves to the end */
-    double period;      /* [s] period that the search assumed; NAN if there is none */
-    double sway_period; /* [s] period of the sway; NAN if unknown */
-    /* Reason why it does not oscillate, or "" if it does or has not been examined. */
+    unsigned char *mask; /* [rows] 0 for a good sample, else 1 + enum finding_kind. */
+    size_t masked;       /* Number of samples that are not good. */
+    double window[2];    /* Begin and end [s] of the free oscillation. */
+    double rests;        /* Time [s] from which the body is at rest; NAN if it moves to the end. */
+    double period;       /* Period [s] that the search assumed; NAN if there is none. */
+    double sway_period;  /* Period [s] of the sway; NAN if unknown. */
+    /* Reason why the body does not oscillate, or "" if it does or has not been examined. */
     char still[160];
 };

@@ -4,9 +4,9 @@
  * (struct text_table), results described by columns (struct result_columns), and errors with their
  * position.
  *
- * Nothing here knows what the numbers mean, and nothing is printed directly: a struct sink receives
- * the finished output. The interpreter calls reply_init() once, reply_command_begin() and
- * reply_command_end() around each command, and reply_free(); handlers call the functions in
+ * The functions do not depend on the meaning of the numbers, and print nothing themselves: a struct
+ * sink receives the finished output. The interpreter calls reply_init() once, reply_command_begin()
+ * and reply_command_end() around each command, and reply_free(); handlers call the functions in
  * between.
  */
 #pragma once
@@ -37,38 +37,37 @@ struct sink {
     bool (*output)(void *context, struct text text);
     /* Writes warnings, notes and errors; returns false if that fails, which is ignored. */
     bool (*err)(void *context, struct text text);
-    /* Argument of both functions. */
-    void *context;
+    void *context; /* First argument of both functions. */
 };
 
-/* Discards a text and returns true: the function of a sink whose results, or messages, nobody
- * reads. */
+/* Discards the text and returns true. For sinks whose results or messages are not needed. */
 bool sink_nothing(void *context, struct text text);
 
 /* Largest nesting of objects and arrays in a record. */
 #define REPLY_DEPTH 8
 #define REPLY_NAME 48 /* Size [byte] of the name of an object in an array. */
 
-/* Output of commands and its state. Handlers only pass it on; all members but `muted`, `store`,
- * `part` and `error`, which front ends set, are private to src/result and the interpreter. */
+/* Output of commands and its state. Handlers only pass it to functions. Front ends set `muted`,
+ * `store`, `part` and `error`; all other members are private to src/result and the interpreter. */
 struct reply {
-    /* Receives all output. */
-    struct sink sink;
-    bool quiet; /* Lines are not written (option -q); records, warnings and errors are. */
+    struct sink sink; /* Receives all output. */
+    bool quiet;       /* Lines are not written (option -q); records, warnings and errors are. */
     enum output_format format; /* Form of the results of the current statement. */
     bool failed;        /* The sink could not write results; no more results are sent to it. */
     struct buffer json; /* The record that is being made, as JSON. */
-    struct buffer header, row; /* The same record as the header and the row of a CSV table. */
-    /* Lines that have not been written, because the command may still make a record. */
+    struct buffer header, row; /* This record as the header and the row of a CSV table. */
+    /* Lines that are written later, since with JSON and CSV they are dropped if the command makes a
+     * record. */
     struct buffer lines;
     struct buffer last_header; /* Header of the last CSV row that was written. */
     const char *kind;          /* Kind of the record, such as "fit"; a constant. */
     bool begun;                /* A CSV table has been written. */
-    /* Called, with the sink's context, when a CSV table with other columns begins. If NULL, a blank
-     * line and a comment with the table's kind separate the tables. */
+    /* Called as part(sink.context, kind) when a CSV table with other columns than the one before
+     * begins. If NULL, a blank line and a comment with the kind of the table separate them. */
     void (*part)(void *context, const char *kind);
-    /* Called, with the sink's context, for each error in addition to its message; `column` counts
-     * from 1 in the line at `where`, and is 0 if unknown. May be NULL. */
+    /* Called for each error, in addition to writing its message, with sink.context as the first
+     * argument. `column` is the position in the line at `where`, from 1, or 0 if unknown. May be
+     * NULL. */
     void (*error)(void *context, const struct error *error, const struct source *where,
                   size_t column);
     bool recorded; /* The current command has made a record. */
@@ -77,12 +76,12 @@ struct reply {
     int depth;                 /* Number of objects and arrays that are open in the record. */
     struct {
         const char *key; /* Key of the open object or array. */
-        bool array;      /* It is an array. */
-        bool empty;      /* It has no element yet. */
+        bool array;      /* The level is an array, not an object. */
+        bool empty;      /* The object or array has no element yet. */
         /* Number of the current element of an array, from 1. */
         int element;
-        /* Value of the field "name" if that is an object's first field, which then names its
-         * columns. */
+        /* Value of the field "name" of an object whose first field it is; in tables, names of the
+         * object's columns contain this value. Otherwise "". */
         char name[REPLY_NAME];
     } level[REPLY_DEPTH];
 };
@@ -91,37 +90,39 @@ struct reply {
 void reply_init(struct reply *reply, struct sink sink);
 /* Frees the memory of a reply. */
 void reply_free(struct reply *reply);
-/* Writes one or more lines of text; the format has no newline at its end. Control characters are
- * made visible. */
+/* Writes one or more lines of formatted text; the format must not end with a newline. Control
+ * characters are made visible. */
 void reply_line(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
-/* Does the same with a text that is written unchanged. */
+/* Writes a text, which may contain several lines, unchanged. */
 void reply_text(struct reply *reply, struct text text);
 /* Returns a buffer to which a handler can append lines. They are written, with a newline at their
  * end, before any other output or when the command ends. The buffer belongs to the reply. */
 struct buffer *reply_buffer(struct reply *reply);
 /* Writes a text, broken between words into lines of at most `width` columns. */
 void reply_paragraph(struct reply *reply, struct text text, int width);
-/* Writes a text unchanged as the command's result, also with -q; in CSV it begins a table of this
- * kind. */
+/* Writes a text unchanged as the result of the command, even with the option -q. In CSV the text
+ * counts as a table of this kind. */
 void reply_data(struct reply *reply, const char *kind, struct text text);
 /* Writes "warning: TEXT" to the messages, or a record {kind: "warning", text} in JSON. */
 void reply_warning(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 /* Writes a line to the messages without "warning: ", in every format. */
 void reply_note(struct reply *reply, const char *format, ...) PRINTF_LIKE(2, 3);
 
-/* Return true if records, or lines, of the command have any effect, so that a handler can skip
- * making them. */
+/* Return false if records, or lines, would not be written or stored, so that a handler need not
+ * make them. */
 bool reply_wants_records(const struct reply *reply);
 bool reply_wants_text(const struct reply *reply);
-/* Begins a record. Until reply_end(), the functions below add a field to the innermost open object,
- * or, with key = NULL, an element to the innermost open array. Keys are constants. Numbers that are
- * not finite become null. A failed allocation shows in reply->failed. */
+/* Begins a record of this kind. Until reply_end(), the functions below add a field with a key to
+ * the innermost open object or, with key = NULL, an element to the innermost open array. Keys are
+ * constants of the program. Numbers that are not finite become null. Sets reply->failed if out of
+ * memory, as the other functions do. */
 void reply_begin(struct reply *reply, const char *kind);
 /* Adds a text; NULL gives null. */
 void reply_string(struct reply *reply, const char *key, const char *value);
 /* Adds a number without a unit. */
 void reply_real(struct reply *reply, const char *key, double value);
-/* Adds a number; `unit` is the unit of its column in tables. */
+/* Adds a number, which is in `unit`; records omit the unit, tables have it in the column's heading.
+ */
 void reply_quantity(struct reply *reply, const char *key, double value, const char *unit);
 /* Adds an integer. */
 void reply_int(struct reply *reply, const char *key, int64_t value);
@@ -147,9 +148,9 @@ void reply_reals(struct reply *reply, const char *key, const double *value, int 
                  const char *unit);
 void reply_close(struct reply *reply); /* Closes the innermost open object or array. */
 void reply_end(struct reply *reply);   /* Closes all that is open and writes the record. */
-/* Writes `count` rows of a table from row `first`, one record each. Without `headed`, CSV has no
- * header, because it was written with an earlier part of the table. Returns false if table->cancel
- * was set; earlier rows have then been written. */
+/* Writes `count` rows of a table from row `first` on, each as a record of this kind. CSV has a
+ * header line before them only if `headed`, which is false if an earlier part of the table was
+ * written. Returns false if table->cancel was set; some of the rows may have been written. */
 bool reply_table_rows(struct reply *reply, const char *kind, const struct table *table,
                       size_t first, size_t count, bool headed);
 
@@ -157,7 +158,7 @@ bool reply_table_rows(struct reply *reply, const char *kind, const struct table 
 
 /* Begins the output of a command in this format. */
 void reply_command_begin(struct reply *reply, enum output_format format);
-/* Writes the lines that wait in reply_buffer(), if the format is text. */
+/* Writes the lines that were appended to reply_buffer(), if the format is text. */
 void reply_flush(struct reply *reply);
 /* Ends the output of a command. If it made no record, its lines are written as a record {kind,
  * text} in JSON, or as comments in CSV. */
@@ -165,12 +166,12 @@ void reply_command_end(struct reply *reply, const char *kind);
 
 /* ---- where a line comes from ---- */
 
-/* A piece of a statement that is continued over several lines of a file: the physical line and
- * column to which offsets in the joined statement belong. */
+/* A piece of a statement that was joined from several lines of a file. Tells to which line and
+ * column of the file an offset in the joined statement belongs. */
 struct source_piece {
     size_t position; /* Offset [byte] of the piece in the joined statement. */
-    /* Number of the physical line, from 1, and of characters left out at its beginning. */
-    int line, indent;
+    int line,        /* Number, from 1, of the line of the file. */
+        indent;      /* Number of characters at the beginning of that line that the piece omits. */
 };
 
 /* Origin of a line that is executed; sources of nested scripts are linked. */
@@ -191,15 +192,16 @@ void reply_error(struct reply *reply, const struct error *error, const struct so
 
 /* ---- text for people ---- */
 
-/* Values as arguments for %s: SHOWN_QUANTITY(0.2, QUANTITY_MASS, 3) is "200 g". The text lies in a
- * temporary struct value_text, which lives until the end of the enclosing block; nothing is
- * allocated. SHOWN_VALUE() and SHOWN_MEASURED() write as buffer_measured() does, with times from
- * 0.1 s on in seconds; `digits` is the number of significant digits. */
+/* SHOWN_…() give values [SI] as texts for %s: SHOWN_QUANTITY(0.2, QUANTITY_MASS, 3) is "200 g".
+ * `digits` is the number of significant digits. The text is in a temporary struct value_text, which
+ * lives until the end of the enclosing block; nothing is allocated. SHOWN_SHORT() has no unit.
+ * SHOWN_VALUE() and SHOWN_MEASURED() write as buffer_measured() does, with times from 0.1 s on in
+ * seconds. */
 /* Memory for the text of one value, large enough for any. */
 struct value_text {
     char data[128];
 };
-/* The functions of the macros below; they write into *text and return its data. */
+/* Functions of the macros below; they write into *text and return text->data. */
 const char *value_text_short(struct value_text *text, double value, int digits);
 const char *value_text_quantity(struct value_text *text, double value, enum quantity quantity,
                                 int digits);
@@ -227,7 +229,7 @@ void buffer_word(struct buffer *buffer, struct text word);
 
 /* Largest number of columns of a table for people. */
 #define TABLE_COLUMNS_MAX 24
-/* Rank of columns that are dropped silently if the table is too wide. */
+/* Rank of columns that a table that is too wide leaves out without listing them. */
 #define TABLE_RANK_WIDE 4
 
 /* A table as aligned text. Set arena, columns, gap, indent, max and rank; add the headings and then
@@ -235,7 +237,7 @@ void buffer_word(struct buffer *buffer, struct text word);
 struct text_table {
     /* Owner of all cells. */
     struct arena *arena;
-    /* Number of columns, blanks between them, and blanks before the first. */
+    /* Number of columns, of blanks between two columns, and of blanks before the first column. */
     int columns, gap, indent;
     /* Width [column] into which the table has to fit, or 0 for any. If it is too wide, the gaps
      * shrink, then columns with the same value in all rows are replaced by a line below the table,
@@ -244,7 +246,7 @@ struct text_table {
     /* [columns] order in which columns are left out, the largest first; columns of rank 0 are
      * always shown. */
     int rank[TABLE_COLUMNS_MAX];
-    /* Number of cells so far, headings included, and allocated. */
+    /* Number of cells that were added, with the headings, and for which there is memory. */
     int cells, capacity;
     const char **cell; /* [cells] texts, row by row, headings first; owned by the arena. */
     bool failed;       /* Memory has run out: cells are missing. */
@@ -258,21 +260,21 @@ void cell_format(struct text_table *table, const char *format, ...) PRINTF_LIKE(
 void cell_take(struct text_table *table, struct buffer *text);
 /* Adds a value [SI] with a suitable unit, or "-" if it is not finite. */
 void cell_quantity(struct text_table *table, double value, enum quantity quantity, int digits);
-/* Adds an error with two digits, "1.3e-05", "0" for 0, or "-" if it is not finite. */
+/* Adds an error with two significant digits, such as "1.3e-05"; "-" if it is not finite. */
 void cell_error(struct text_table *table, double value);
 /* Adds an integer. */
 void cell_count(struct text_table *table, int64_t value);
-/* Adds a time [s], in us below a millisecond. */
+/* Adds a time, given in s; times below a millisecond are shown in us. */
 void cell_seconds(struct text_table *table, double seconds);
-/* Adds the headings, NAME [UNIT], and the first `rows` rows of the first table->columns columns of
- * `source`. */
+/* Adds to *table the headings, NAME [UNIT], and the first `rows` rows of the first table->columns
+ * columns of *source. */
 void table_cells(const struct table *source, size_t rows, struct text_table *table);
-/* Appends the table as lines of text, followed by a line about replaced columns and one about
- * columns left out. */
+/* Appends the table as lines of text, followed by a line for columns that have the same value in
+ * all rows, and one that lists columns left out, if there are such columns. */
 void text_table_put(const struct text_table *table, struct buffer *output);
 
 /*
- * ---- columns: the description of a result, once, beside its struct ----
+ * ---- columns: the description of a result's struct, for all forms of output ----
  *
  * A result is an array of structs (rows). A struct result_column says where a value of such a
  * struct is, its name for programs and for people, and its form. Records, tables in files and
@@ -296,7 +298,7 @@ enum column_kind {
     COLUMN_CHOICE, /* An enum, shown by the name of the row (value - choice_first) of `choices`. */
     /* A struct described by `part`, shown as an object in records only. */
     COLUMN_OBJECT,
-    /* An array of such structs, which list() returns, shown in records only. */
+    /* An array of structs described by `part`, which list() returns, shown in records only. */
     COLUMN_LIST,
 };
 
@@ -308,7 +310,7 @@ enum column_flag {
     COLUMN_NO_FILE = 2,
     /* Shown to people only if some row has a value (for a count, one other than 0). */
     COLUMN_IF_ANY = 4,
-    COLUMN_WIDE = 8,    /* Shown to people only if the table is wide. */
+    COLUMN_WIDE = 8,    /* Shown to people only if columns_text() is called with `wide`. */
     COLUMN_DETAIL = 16, /* Left out of documents (.md, .html, .tex). */
 };
 
@@ -335,28 +337,27 @@ struct result_column {
     size_t offset;
     /* COLUMN_IN of that pointer, or 0 if the member is in the row's struct itself. */
     size_t pointer_offset;
-    /* Functions that return the value instead of a member: for COLUMN_REAL, COLUMN_COUNT and
-     * COLUMN_NAME. */
-    double (*real)(const void *row);
+    /* Functions that return the value for a row, if it is not that of a member. */
+    double (*real)(const void *row);      /* COLUMN_REAL */
     int64_t (*number)(const void *row);   /* COLUMN_COUNT */
     const char *(*text)(const void *row); /* COLUMN_NAME */
-    const struct catalog *choices;        /* Names of a COLUMN_CHOICE. */
-    int choice_first;                     /* Value of the enum to which their first row belongs. */
+    const struct catalog *choices;        /* Names of the values of a COLUMN_CHOICE. */
+    int choice_first;                     /* Value of the enum for the first row of `choices`. */
     /* Columns of the structs of COLUMN_OBJECT and COLUMN_LIST. */
     const struct result_columns *part;
-    /* Returns the array of a COLUMN_LIST and sets *count. */
+    /* Returns the array of a COLUMN_LIST and sets *count to the number of its elements. */
     const void *(*list)(const void *row, size_t *count);
-    /* Returns true if the row has a value for COLUMN_IF_ANY, if that takes more than a look at the
-     * value. */
+    /* Returns true if the row has a value in the sense of COLUMN_IF_ANY; NULL if the value itself
+     * tells this. */
     bool (*any)(const void *row);
-    /* Returns false if the record of this row has no such key. */
+    /* Returns false if the record of this row omits the column; NULL if no record does. */
     bool (*defined)(const void *row);
-    /* Writes a field of the record that no kind describes. */
+    /* Adds the field `key` to the record, for values that no column_kind describes. */
     void (*record)(struct reply *reply, const char *key, const void *row);
     int digits; /* Significant digits of a COLUMN_REAL for people; 0 stands for 3. */
-    /* Adds the cell of a COLUMN_REAL for people in another form, as cell_error() does. */
+    /* Adds the cell of a COLUMN_REAL for people in a form of its own; such as cell_error(). */
     void (*look)(struct text_table *table, double value);
-    /* Adds the cell for people of any kind. */
+    /* Adds the cell for people in a form of its own, for a column of any kind. */
     void (*cell)(struct text_table *table, const void *row);
 };
 
@@ -382,8 +383,8 @@ void reply_columns(struct reply *reply, const struct result_columns *columns, co
 /* Writes each of `count` rows as a record of this kind. */
 void reply_records(struct reply *reply, const char *kind, const struct result_columns *columns,
                    const void *rows, size_t count);
-/* Makes a table for files, without keys, in the arena. It remains valid when the rows are freed,
- * but not when the names to which they point are. Returns false if out of memory. */
+/* Makes a table for files, without keys, in the arena. The table does not refer to the rows, but
+ * still refers to the names to which the rows point. Returns false if out of memory. */
 bool columns_table(const struct result_columns *columns, const void *rows, size_t count,
                    struct arena *arena, struct table *table);
 /* Adds the headings and the cells of all rows to an empty text table and sets its `columns`; `wide`

@@ -14,12 +14,13 @@ struct series {
     const double *y; /* [n] values [SI], never NAN */
     size_t n;
     enum quantity quantity;      /* Quantity of y. */
-    const struct cancel *cancel; /* Flag that stops calculations with it; may be NULL. */
-    /* Relative standard uncertainty that all its times have in common, or 0 if unknown. */
+    const struct cancel *cancel; /* Flag that stops calculations with the series; may be NULL. */
+    /* Relative standard uncertainty that all times t have in common, such as that of the sampling
+     * rate; 0 if unknown. */
     double pace;
 };
 
-/* Returns the part from t_begin to t_end [s] of a series; it shares the memory of the whole. */
+/* Returns the part of a series from t_begin to t_end [s], which shares the memory of the series. */
 struct series series_window(struct series series, double t_begin, double t_end);
 /* Returns the standard deviation of the noise on a smooth motion, from sixth differences, or NAN if
  * there are too few samples or if out of memory. Work memory is the arena's. */
@@ -31,19 +32,17 @@ double series_noise(const struct series *series, struct arena *arena);
 struct overview {
     /* Offset (middle of the robust extremes, or mean over whole periods), and extremes. */
     double mean, low, high;
-    double noise;  /* Standard deviation of the noise, from differences. */
-    double period; /* [s] estimate of the period from the spectrum, or NAN without an oscillation */
-    double periods; /* Number of periods in the series, or NAN. */
-    /* An oscillation was found. */
-    bool oscillates;
-    char reason[160]; /* Reason why it does not oscillate, or "". */
+    double noise;     /* Standard deviation of the noise, from differences of samples. */
+    double period;    /* Period [s], estimated from the spectrum; NAN without an oscillation. */
+    double periods;   /* Number of periods in the series, or NAN. */
+    bool oscillates;  /* An oscillation was found. */
+    char reason[160]; /* Reason why no oscillation was found, or "". */
 };
 
 /* A crossing of a level. */
 struct crossing {
     double t, uncertainty; /* Time [s] and its standard uncertainty [s]. */
-    /* Upwards. */
-    bool rising;
+    bool rising;           /* The crossing is upwards. */
 };
 
 /* A measured period. */
@@ -78,23 +77,23 @@ struct samples {
     /* [n] times [s] and values [SI]. */
     const double *t, *y;
     size_t n;
-    double t0, dt; /* [s] if uniform, t = t0 + i dt */
-    /* The times are even. */
-    bool uniform;
+    double t0, dt;               /* First time and step [s] if `uniform`. */
+    bool uniform;                /* The times are even: sample i has the time t0 + i dt. */
     double pace;                 /* Relative standard uncertainty that all times have in common. */
     unsigned char *use;          /* [n] 1 for samples that are fitted, 0 for rejected ones */
-    bool resampled;              /* Interpolated from a very uneven series, which is no sensor's. */
+    bool resampled;              /* Samples were interpolated, see series_is_uneven(). */
     const struct cancel *cancel; /* Flag that stops fits; may be NULL. */
 };
 
 /* Returns true if more than a tenth of the steps are shorter than 1/20 of the mean step, as in
  * stiff adaptive runs. */
 bool series_is_uneven(const struct series *series);
-/* Prepares a series; one for which series_is_uneven() is replaced by the same number of samples on
- * an even grid. Returns false if out of memory or if cancelled. */
+/* Fills *samples from a series. If series_is_uneven() returns true, the samples are interpolated on
+ * an even grid with the same number of samples. Memory is the arena's or the series'. Returns false
+ * if out of memory or if cancelled. */
 bool samples_init(struct samples *samples, const struct series *series, struct arena *arena);
-/* Sets samples[length] to the values at t0, t0 + dt, … [s], by linear interpolation; beyond the
- * ends the first or last value. Returns their sum. */
+/* Sets samples [length] to the values of a series at t0, t0 + dt, … [s], by linear interpolation.
+ * Beyond the ends of the series the first or last value is used. Returns the sum of the samples. */
 double series_fill_grid(const struct series *series, double t0, double dt, size_t length,
                         double *samples);
 /* Returns the standard deviation of the noise, from the median of sixth differences, which ignores

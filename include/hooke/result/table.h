@@ -18,7 +18,8 @@ struct table_column {
     const double *value; /* [rows] numbers, NAN for a missing one; NULL for a column of texts. */
     /* [rows] texts, if `value` is NULL. */
     const char *const *text;
-    bool detail; /* Left out of documents (.md, .html, .tex), because it is meant for programs. */
+    /* The column is left out of documents (.md, .html, .tex), because it is meant for programs. */
+    bool detail;
 };
 
 /* A fact about the whole table, written above it. */
@@ -28,7 +29,7 @@ struct table_key {
 
 /* A table. All pointers belong to its creator, often an arena. */
 struct table {
-    /* [keys] written as lines `# key = value`, or as an object in JSON. */
+    /* [keys] facts about the table, written as lines `# key = value`, or as an object in JSON. */
     const struct table_key *key;
     int keys;
     /* [columns] columns, each with `rows` cells. */
@@ -42,14 +43,13 @@ struct table {
 /* Returns the column of this name, or NULL if there is none or if name is NULL. */
 const struct table_column *table_column_named(const struct table *table, const char *name);
 
-/* Formats of a table as text. Every double reads back with the same bits; the decimal point is `.`
- * and lines end with a newline in every locale. Texts that could be a formula are quoted and
- * preceded by an apostrophe. */
 struct outlet; /* <hooke/result/outlet.h> */
-/* Writes a table to an outlet. */
+/* Writes a table as text to an outlet. Every double reads back with the same bits; the decimal
+ * point is `.` and lines end with a newline in every locale. Texts that a spreadsheet could execute
+ * as a formula are quoted and preceded by an apostrophe. */
 typedef void table_format(const struct table *table, struct outlet *outlet);
 table_format table_csv, table_tsv, table_json; /* Modules define further formats. */
-/* Appends a table to `output`; a failure or a stop sets output->failed. */
+/* Appends a table to `output`. Sets output->failed if out of memory or if table->cancel was set. */
 void table_put(const struct table *table, table_format *format, struct buffer *output);
 /* Writes a table to a new file. Returns false with `error` set, also if table->cancel was set. */
 bool table_write(const struct table *table, table_format *format, const char *path,
@@ -58,11 +58,12 @@ bool table_write(const struct table *table, table_format *format, const char *pa
  * abandoned, on failure; the writer is closed in every case. */
 bool table_send(const struct table *table, table_format *format, struct writer *writer,
                 struct error *error);
-/* Returns true if the text begins as a table in CSV, TSV or JSON that has keys. */
+/* Returns true if the text begins like a table with keys that table_write() wrote as CSV, TSV or
+ * JSON. */
 bool table_recognise(struct text text);
-/* Reads such a text into *table, whose memory is the arena's, with the same doubles and texts.
- * Returns false, with ERROR_IO, if the text is damaged, or ERROR_CANCELLED. The table keeps the
- * pointer `cancel`. */
+/* Reads such a text into *table, with the same doubles and texts; memory is the arena's. Returns
+ * false, with `error` set to ERROR_IO if the text is damaged, or to ERROR_CANCELLED if `cancel` was
+ * set. Also sets table->cancel to `cancel`. */
 bool table_parse(struct text text, const struct cancel *cancel, struct arena *arena,
                  struct table *table, struct error *error);
 void buffer_json_text(struct buffer *output,
@@ -73,18 +74,18 @@ void buffer_json_real(struct buffer *output, double value);
 /*
  * ---- tables by kind: the last result of each kind, such as "compare" or "sweep" ----
  *
- * Records become rows of such tables. A field is a column; fields of nested objects and arrays are
- * named by their path, "halves.gamma.1", in which an object of an array appears by its field
- * "name", if that is its first one, instead of its number.
+ * Records become rows of such tables, and fields become columns. The column of a field in nested
+ * objects and arrays has the path of the field as its name, such as "halves.gamma.1". An element of
+ * an array appears in the path by its number or, if it is an object whose first field is "name", by
+ * the value of that field.
  */
 
 struct column_growth; /* Columns of a table while records are added to it; private. */
 
 /* The last table of one kind; owns its memory. */
 struct stored_table {
-    const char *kind; /* Kind, such as "compare"; in the arena or a constant. */
-    /* Owner of the table. */
-    struct arena arena;
+    const char *kind;   /* Kind, such as "compare"; in the arena or a constant. */
+    struct arena arena; /* Owner of the memory of `table`. */
     struct table table;
     /* State of a table to which records are still added; NULL if it is complete. */
     struct column_growth *growth;
@@ -94,8 +95,7 @@ struct stored_table {
 struct table_store {
     struct stored_table **table; /* [count] tables, owned. */
     int count;
-    /* Table to which the current record is added; private. */
-    struct stored_table *row;
+    struct stored_table *row; /* Table to which the current record is added; private. */
 };
 
 /* Frees all tables. */
@@ -107,12 +107,13 @@ struct stored_table *table_store_find(const struct table_store *store, struct te
 bool table_store_put(struct table_store *store, const char *kind, struct arena *arena,
                      const struct table *table);
 /* Completes the tables of `source` and moves those for which wanted() returns true to `store`, in
- * place of those of the same kind; the others are freed and `source` is emptied. wanted() may add
- * keys to a table. A table for which there is no memory is dropped. */
+ * place of those of the same kind; frees the others and empties `source`. `context` is the first
+ * argument of wanted(), which may add keys to a table. If out of memory, tables are dropped. */
 void table_store_take(struct table_store *store, struct table_store *source,
                       bool (*wanted)(void *context, struct stored_table *stored), void *context);
-/* Called by reply_begin() to reply_end() to add a record as a row: begin, one call for each field,
- * end. A failed allocation drops the table later. */
+/* Add a record as a row to the table of its kind: store_row_begin(), a call of store_cell_…() for
+ * each field, store_row_end(). store_cell_none() adds a missing value. The functions reply_…() call
+ * them. A table for which memory ran out is dropped by table_store_take(). */
 void store_row_begin(struct table_store *store, const char *kind);
 void store_cell_none(struct table_store *store, const char *name);
 void store_cell_real(struct table_store *store, const char *name, const char *unit, double value);
