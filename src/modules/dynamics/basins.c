@@ -72,7 +72,9 @@ static char fate_letter(int fate)
     return fate == BASIN_UNDECIDED ? '?' : ' ';
 }
 
-/* Appends the map in at most `max` rows, with its axes. Every letter is the fate of one start. */
+/* Appends the map, at most MAP_COLUMNS wide and `max` rows high, with its axes. Axis 0 goes to the
+ * right, axis 1 up, hence the last row first. Each letter is the fate of one start; if the grid has
+ * more starts than the map has places, only starts at equal distances are shown. */
 static void put_map(struct buffer *output, const struct map *map, int max)
 {
     const int x_count = map->request->axis[0].count, y_count = map->request->axis[1].count;
@@ -119,7 +121,9 @@ static void put_basin(struct buffer *output, const struct map *map, int k)
     buffer_char(output, '\n');
 }
 
-/* Appends the whole answer: attractors, other fates, map, effort. */
+/* Appends the whole answer: attractors, other fates, map, effort. If the room is limited (to
+ * map->answer rows, 0 if not), the map gets the rows that the text leaves, from MAP_ROWS_MIN to
+ * MAP_ROWS. */
 static void put_basins(struct buffer *output, const struct map *map)
 {
     enum { BELOW = 3 /* [row] lines below the map: its axis, and the effort */ };

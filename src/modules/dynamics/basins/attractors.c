@@ -101,8 +101,10 @@ static bool is_near(const struct basin_walk *walk, const struct attractor *a, co
     return cell_index >= 0 && a->cell[cell_index];
 }
 
-/* Counts checks near an attractor. Returns its index once the motion has been there often enough,
- * else BASIN_MISSING. */
+/* Counts the successive checks, this one included, at which the walker is near the same attractor
+ * (w->attractor, w->near_count). Returns its index once there are enough of them, else
+ * BASIN_MISSING. An attractor that is known by cells (a cloud) needs CLOUD_CHECKS_INSIDE of
+ * them. */
 static int approached_attractor(const struct basin_walk *walk, struct walker *w)
 {
     const bool stays = w->attractor >= 0 && is_near(walk, &walk->attractor[w->attractor], w->y);
@@ -120,7 +122,9 @@ static int approached_attractor(const struct basin_walk *walk, struct walker *w)
     return w->near_count >= checks_min ? w->attractor : BASIN_MISSING;
 }
 
-/* Returns true if the walker has repeatedly been where it was a fixed number of looks before. */
+/* Compares the state with those of earlier checks, the latest first. Returns true if the walker has
+ * repeatedly been where it was w->period checks before: RECURRENCES_MIN times in each phase of that
+ * period. Sets w->recurrences and w->period. */
 static bool has_repeated(const struct basin_walk *walk, struct walker *w)
 {
     for (int q = 1; q < WALK_PAST && q < w->checks; q++) {
@@ -136,7 +140,8 @@ static bool has_repeated(const struct basin_walk *walk, struct walker *w)
 }
 
 /* Angles are reduced to one turn, then escape, nearness to known attractors and recurrence are
- * tested, in this order. */
+ * tested, in this order. A motion that repeats is undecided here: the caller may learn its
+ * attractor (walk_learn). */
 int walker_check(const struct basin_walk *walk, struct walker *w)
 {
     for (int i = 0; i < walk->n; i++) {
@@ -171,7 +176,8 @@ static bool is_equilibrium(struct basin_walk *walk, const double *y)
 }
 
 /* Sets basin->growth to the largest real part of an eigenvalue [1/s] of an equilibrium, or the
- * largest magnitude of a multiplier (without that along the orbit), and basin->stable, which is
+ * largest magnitude of a multiplier of an orbit or response, or NAN if unknown. The multiplier
+ * along an orbit, which is 1 (the one closest to 1), does not count. Sets basin->stable, which is
  * true if differences decay or if that is unknown. */
 static void find_growth(struct basin_walk *walk, struct basin *basin)
 {
@@ -235,8 +241,9 @@ static int find_known(const struct basin_walk *walk, const double *y, double tol
     return BASIN_MISSING;
 }
 
-/* Moves y to the nearby equilibrium that the motion approaches, by Newton's steps as long as they
- * are small. */
+/* Moves y [n] to the nearby equilibrium that the motion approaches, by at most three steps of
+ * Newton's method. It stops if a step would be longer than ATTRACTORS_SAME_SIZES natural sizes,
+ * which may lead elsewhere, or if the Jacobian is singular. */
 static void settle_state(struct basin_walk *walk, double *y)
 {
     double jacobian[FIELD_VARIABLES * FIELD_VARIABLES], correction[FIELD_VARIABLES];
@@ -253,8 +260,10 @@ static void settle_state(struct basin_walk *walk, double *y)
     }
 }
 
-/* Learns the attractor of a motion that repeats at checks: an equilibrium, or the response to a
- * drive. Returns its index or BASIN_UNDECIDED. */
+/* Learns the attractor of a motion that repeats at checks: an equilibrium, or with a drive the
+ * response to it, with one point for each check of its period, the latest first. Returns the index
+ * of the attractor, also if it is known already, or BASIN_UNDECIDED if there is no room for one
+ * more. */
 static int learn_points(struct basin_walk *walk, const struct walker *w)
 {
     const int known = find_known(walk, w->y, ATTRACTORS_SAME_SIZES);

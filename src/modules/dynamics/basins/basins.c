@@ -134,8 +134,10 @@ static void choose_sizes(struct basin_walk *walk, const struct basins_request *r
                 walk->field.size[i] < SIZE_MIN_FRACTION * most ? most : walk->field.size[i];
 }
 
-/* Binds the scene, chooses sizes, and finds the time between checks and the number of steps from 8
- * x 8 pilot starts. */
+/* Binds the scene, chooses sizes, and finds the time between checks (walk->strobe: the period of
+ * the drive, else a natural time) and, with `lanes`, the number of steps between checks. Both come
+ * from 8 x 8 pilot starts, in the middles of equal cells of the grid. Scenes that conserve volumes
+ * are refused. */
 bool walk_init(struct basin_walk *walk, const struct basins_request *request, bool lanes,
                struct error *error)
 {
@@ -182,7 +184,10 @@ void walk_free(struct basin_walk *walk)
 
 /* ---- attractors from a few starts ---- */
 
-/* Follows the pilot starts and learns their attractors. Returns false if out of memory. */
+/* Follows the pilot starts until the fate of each is known, or for WALK_CHECKS_MAX checks, and
+ * learns their attractors. All motions are offered to walk_learn() every CHECKS_PER_ATTEMPT checks,
+ * since those on closed orbits need not repeat at checks. Counts the checks in basins->checks;
+ * progress is reported up to 0.1. Returns false if out of memory. */
 static bool learn_first(struct basin_walk *walk, const struct basins_request *request,
                         struct basins *basins)
 {
@@ -220,7 +225,8 @@ static bool learn_first(struct basin_walk *walk, const struct basins_request *re
 
 /* ---- all starts ---- */
 
-/* Stores a motion for learn_late(); sets job->failed if out of memory. */
+/* Stores a motion whose attractor is not known yet, from start number `point` of the grid, for
+ * learn_late(). Threads may call it at the same time. Sets job->failed if out of memory. */
 static void keep_late(struct basins_job *job, int64_t point, const struct walker *walker)
 {
     pthread_mutex_lock(&job->lock);

@@ -68,8 +68,10 @@ void stepper_free(struct stepper *s)
     free(s);
 }
 
-/* Advances the motions to the next check, all in lanes, or one after another with adaptive
- * steps. */
+/* Advances the motions to the next check, all in lanes (then count <= LANE_COUNT; idle lanes repeat
+ * the first motion), or one after another with adaptive steps. Without lanes, the first variable of
+ * a motion that cannot be followed becomes NAN, which walker_check() counts as an escape. If
+ * cancelled, the motions may end before the check. */
 void stepper_advance(struct stepper *s, struct walker *walker, int count)
 {
     const size_t bytes = (size_t)s->n * sizeof(double);
@@ -96,8 +98,10 @@ void stepper_advance(struct stepper *s, struct walker *walker, int count)
     }
 }
 
-/* Sets difference[i] to the change of the end of start i, in sizes, if a look takes twice as many
- * steps. Returns false if out of memory or if the system cannot go in lanes. */
+/* Sets difference[i] to the change of the end of start i, in sizes, if a check takes twice as many
+ * steps as walk->steps, which is the same afterwards; HUGE_VAL if only the coarse motion diverges.
+ * `count` is at most LANE_COUNT. Returns false if out of memory or if the system cannot go in
+ * lanes. */
 static bool step_differences(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count,
                              double *difference)
 {
@@ -127,7 +131,9 @@ static bool step_differences(struct basin_walk *walk, double (*start)[FIELD_VARI
     return fine;
 }
 
-/* Doubles the number of steps until that changes the ends little enough. */
+/* Doubles the number of steps until doubling it once more changes the ends little enough: all by
+ * less than CHANGE_WORST sizes, and nine of ten by less than CHANGE_TYPICAL. Sets walk->steps, to 0
+ * (adaptive steps) if STEPS_MAX is reached or there are no lanes. */
 int stepper_choose(struct basin_walk *walk, double (*start)[FIELD_VARIABLES], int count)
 {
     double difference[LANE_COUNT];

@@ -31,7 +31,8 @@ struct taylor {
     double step; /* relative to natural sizes */
 };
 
-/* Computes the Jacobian at the state moved by `step` along u, times v. */
+/* Sets result [n] to the product of a Jacobian and v [n]. The Jacobian is that at the state
+ * t->state moved by `step` along u [n]; differences of such products give higher derivatives. */
 static void jacobian_times(const struct taylor *t, const double *u, double step, const double *v,
                            double *result)
 {
@@ -206,7 +207,9 @@ static double room_for_steps(struct vector_field *field, const double *state, do
     return largest / fmin(step_along(&one, a), step_along(&one, b));
 }
 
-/* The step is increased where the difference is lost in rounding. */
+/* The result is accepted if doubling the step of the differences changes it little. Otherwise the
+ * step is increased, since the difference may be lost in rounding, until two successive values
+ * agree. If none do, it is the value with the first step, and *error says how uncertain it is. */
 double lyapunov_coefficient(struct vector_field *field, const double *state, double omega,
                             double *error)
 {

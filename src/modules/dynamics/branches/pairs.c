@@ -124,8 +124,10 @@ static void narrow(struct test_minimum *m)
     }
 }
 
-/* Searches a place where the test has the other sign, which becomes m->fresh. Returns false if
- * there is none. */
+/* Searches a place between m->low and m->high where the test has the other sign than m->sign, by
+ * parabolas that approach the minimum; that place becomes m->fresh. Returns false if there is none:
+ * if the predicted minimum is more than minimum_part of the least value so far, the bracket has
+ * become narrow, a sample fails, or after MINIMUM_STEPS_MAX samples. */
 static bool find_other_sign(struct test_minimum *m)
 {
     const double length = m->high->position - m->low->position;

@@ -21,8 +21,9 @@ bool ranges_contain(const struct curve_ranges *ranges, const struct curve_proble
     return inside;
 }
 
-/* Interpolates to the edge that the chord meets first, and corrects there with that parameter held
- * fixed. */
+/* Interpolates to the edge that the chord from `start` to *edge_point meets first, and corrects
+ * there with that parameter held fixed; the parameter is then set to the edge exactly, without the
+ * rounding of the correction. */
 bool ranges_step_to_edge(const struct curve_ranges *ranges, const struct curve_problem *problem,
                          const struct curve_place *start, struct curve_place *edge_point)
 {

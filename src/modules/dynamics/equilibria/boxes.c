@@ -11,7 +11,8 @@ static const size_t first_room = 256; /* number of boxes for which memory is all
  * once could not shrink again, as a proof needs all sides to do. */
 static const double margin_share = 1e-6;
 
-/* Reuses the room of boxes that have been taken, or doubles the memory. */
+/* If the memory is full, reuses the room of boxes that have been taken if that is more than half of
+ * it, else doubles the memory. */
 bool box_queue_add(struct box_queue *queue, const struct state_box *box)
 {
     if (queue->end == queue->room && queue->first > queue->room / 2) {

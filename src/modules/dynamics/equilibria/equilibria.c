@@ -254,8 +254,9 @@ static bool begin_equilibria_search(struct equilibria_search *search, struct err
 
 /* ---- result ---- */
 
-/* Finds the values of variable i at which undecided boxes lie. Returns their number, at most
- * PLACES_MAX + 1. */
+/* Writes to place [PLACES_MAX + 1] the values of variable i, SI, at which undecided boxes lie;
+ * values closer than place_apart_min widths of the searched range count once. Returns their number;
+ * PLACES_MAX + 1 means too many to name. */
 static int places_of(const struct zero_search *s, int i, double *place)
 {
     int places = 0;
@@ -279,8 +280,9 @@ static double widest_side_of(const struct zero_search *s, int i)
     return widest;
 }
 
-/* Appends the first place of undecided boxes: "x = 0, v = 1". Variables that take any value there
- * are left out. */
+/* Appends the first place of undecided boxes: "x = 0, v = 1". Variables that take many values there
+ * (more than PLACES_MAX) are left out, unless all do. The number of digits follows from the sides
+ * of the boxes. "and elsewhere" is appended if a variable has several values. */
 static void put_place(const struct equilibria_search *search, struct buffer *text)
 {
     const struct zero_search *s = &search->zeros;

@@ -294,7 +294,10 @@ static bool meets_range(const struct zero_search *s, const struct interval *box)
     return meets;
 }
 
-/* Examines one box, again as long as the operator shrinks it. Returns false if out of memory. */
+/* Examines one box, again as long as the operator shrinks it: to shrunk_share of its widest side or
+ * less each time. Then the box is dropped (no zero), its zero is kept (exactly one), or it is
+ * split. s->done increases by the share of the volume that is settled. Returns false if out of
+ * memory. */
 static bool examine_box(struct zero_search *s, struct state_box *box)
 {
     const double part = volume_share(s, box->side);
