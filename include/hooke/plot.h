@@ -172,6 +172,8 @@ struct plot_row {
 
 /* All plots: struct plot_row, the first at the index of enum plot_kind. */
 extern const struct catalog plot_catalog;
+/* The same rows for arguments that name a pane, so that errors speak of panes. */
+extern const struct catalog pane_catalog;
 
 /* Returns the row of a plot. */
 const struct plot_row *plot_row(enum plot_kind kind);

@@ -21,7 +21,7 @@ static const struct row decimals[] = {ROW("point", "1.5"), ROW("comma", "1,5")};
 const struct catalog decimal_catalog = CATALOG("decimal mark", decimals);
 
 static const struct row quantities[] = {
-    [MEASURE_PERIOD] = ROW("period", "from the times of the up-crossings"),
+    [MEASURE_PERIOD] = ROW("period", "from phases, crossings or whole cycles"),
     [MEASURE_FREQUENCY] = ROW("frequency", "1/period"),
     [MEASURE_AMPLITUDE] =
         ROW("amplitude", "half the swing about the local offset, at one or several times"),

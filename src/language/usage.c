@@ -4,7 +4,8 @@
 #include <hooke/language.h>
 
 /* Appends the usage of an argument's item: the name of one known by its position, "V" or "FILE" by
- * its type, or the choices themselves if they are few. */
+ * its type, "T" for a time that follows a word ("to T"), or the choices themselves if they are
+ * few. */
 static void put_item(const struct argument *argument, struct buffer *output)
 {
     const struct argument_type_row *type = argument_type(argument);
@@ -15,6 +16,9 @@ static void put_item(const struct argument *argument, struct buffer *output)
             buffer_format(output, "|%s", type->shown);
     } else if (argument->form == FORM_PLACE) {
         buffer_put(output, text_of(argument->name));
+    } else if (argument->form == FORM_WORD && argument->type == TYPE_VALUE &&
+               argument->quantity == QUANTITY_TIME) {
+        buffer_char(output, 'T');
     } else {
         buffer_put(output, text_of(type->shown));
     }

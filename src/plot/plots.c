@@ -113,6 +113,7 @@ static const struct plot_row rows[] = {
 #include "lists/plots.def"
 };
 const struct catalog plot_catalog = CATALOG("plot", rows);
+const struct catalog pane_catalog = CATALOG("pane", rows);
 
 /* ---- properties of a row ---- */
 

@@ -80,8 +80,8 @@ HANDLER(focus)
     if (pane->count && !session->execution.restoring && !plot_offered(session, wanted)) {
         struct buffer offered = {0};
         const bool some = session_run(session) || session_recording(session);
-        error_at(error, pane->item->text, "the pane %s has nothing to show: %s", row->name,
-                 row->brief);
+        error_at(error, pane->item->text, "the pane %s (%s) cannot be shown for this scene or run",
+                 row->name, row->brief);
         for (size_t i = 0; i < plot_catalog.count && some; i++)
             if (plot_offered(session, (enum plot_kind)i))
                 buffer_format(&offered, "%s%s", offered.len ? ", " : "",
@@ -353,7 +353,7 @@ COMMAND(layout, .group = "PLOT", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
                   PLACE("NAME", TYPE_CHOICE, .choices = &layout_catalog, .group = 1)))
 
 COMMAND(focus, .group = "PLOT", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,
-        ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &plot_catalog),
+        ARGUMENTS(PLACE("PANE", TYPE_CHOICE, .choices = &pane_catalog),
                   WORD("full", TYPE_NONE, .group = 1), WORD("shared", TYPE_NONE, .group = 1)))
 
 COMMAND(range, .group = "PLOT", .flags = COMMAND_ANYTIME | COMMAND_RESTORES,

@@ -142,7 +142,8 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
     if (!isnan(run_opinion_sunk(run)))
         return reply_lost(session, run, reply, error);
     if (asked && isnan(opinion->t))
-        reply_line(reply, "error not known: the second solution used up its allowed work at once");
+        reply_line(reply, "error not known: the second solution used up its allowed work "
+                          "before the first comparison");
     if (!run_opinion_known(run))
         return true;
     const double times = opinion->error / run->controller.tol;

@@ -284,7 +284,8 @@ static bool parse_statement_again(struct session *session, const struct argument
     const struct text word = peek_word(parser.rest, "");
     parser.rest = (struct text){word.data + word.len, parser.rest.len - word.len};
     if (!text_is(word, "collect"))
-        return error_set(error, ERROR_COMMAND, "its file does not record how it was collected");
+        return error_set(error, ERROR_COMMAND, "%s does not say how it was collected",
+                         recording->name);
     *again = (struct arguments){.command = args->command,
                                 .word = word,
                                 .scope = args->scope,
@@ -292,7 +293,8 @@ static bool parse_statement_again(struct session *session, const struct argument
                                 .where = args->where};
     return parse_arguments(&parser, args->command, again, error) &&
            (has_argument(again, "SOURCE") ||
-            error_set(error, ERROR_COMMAND, "its file does not name its source"));
+            error_set(error, ERROR_COMMAND, "%s does not say from which device it was collected",
+                      recording->name));
 }
 
 /* Prepares to continue the file of a recording; its time has advanced by the time since the file

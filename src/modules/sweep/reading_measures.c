@@ -108,7 +108,7 @@ static const struct sweep_expression *read_column(struct parser *parser, struct 
     }
     const struct text rest = text_trim(text_after(text, used));
     if (rest.len > 0) {
-        error_at(error, rest, "this cannot be part of an expression");
+        error_at(error, rest, "the expression ends before this");
         return NULL;
     }
     expression->quantity = quantity_of(expr);
@@ -360,7 +360,7 @@ static const struct sweep_formula *read_formula(struct formula_reader *r)
     const struct expr *expr = expr_compile(copy, &scope, r->parser->arena, &used, r->error);
     if (expr && text_trim(text_between(copy, used, copy.len)).len > 0) {
         error_at(r->error, text_trim(text_between(copy, used, copy.len)),
-                 "this cannot be part of an expression");
+                 "the expression ends before this");
         expr = NULL;
     }
     /* errors are to point into what was typed, not into the copy */

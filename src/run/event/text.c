@@ -60,8 +60,8 @@ bool event_compile(struct text text, const struct expr_scope *scope, struct aren
     made.touching = direction == 0 && take_word(text, &position, TEXT("touching"));
     if ((direction != 0 || made.touching) && made.right)
         return error_at(error, (struct text){text.data + word, position - word},
-                        "a comparison happens where it becomes true; rising, falling and touching "
-                        "are for expressions");
+                        "an event with < or > happens when the comparison becomes true; rising, "
+                        "falling and touching need an expression without < and >");
     made.direction = direction != 0 ? direction : made.direction;
     memcpy(made.name, event->name, sizeof made.name);
     made.stop = event->stop;

@@ -171,7 +171,7 @@ static bool explain_state(const struct run *run, struct buffer *text)
 static const char *remedy_for_rate(const struct run *run)
 {
     const struct oscillator *o = &run->system.oscillator;
-    return o->whole && 4 * o->stiffness > o->damping * o->damping ? "method exact"
+    return o->whole && 4 * o->stiffness > o->damping * o->damping ? "'method exact'"
                                                                   : "an implicit method";
 }
 

@@ -211,7 +211,7 @@ static bool call_dimension(struct compiler *c, const struct function *function,
     if (rule == FUNCTION_ANGLE && dimension_counts_cycles(&a->dimension)) {
         error_at(c->error, a->text, "%s needs radians, but '%.*s' is in cycles", name,
                  shown_length(a->text), a->text.data);
-        return error_hint(c->error, "for that number of cycles write %s(2*pi*%.*s)", name,
+        return error_hint(c->error, "one cycle is 2*pi rad: %s(2*pi*%.*s)", name,
                           shown_length(a->text), a->text.data);
     }
     if (rule == FUNCTION_PURE || rule == FUNCTION_ANGLE) {

@@ -123,7 +123,8 @@ static struct program *part_program_make(const struct part_making *m, int count,
     if (!program || program_frame(program) <= FRAME_MAX)
         return program;
     error_set(m->error, ERROR_COMMAND,
-              "the equations are too large: they need %zu numbers at once, %d are possible",
+              "the equations are too large: they need %zu intermediate values, at most %d are "
+              "possible",
               program_frame(program), FRAME_MAX);
     program_destroy(program);
     return NULL;

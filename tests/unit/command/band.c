@@ -492,13 +492,13 @@ TEST(test_file_has_the_band)
         &bench.out,
         "band      95 % band of the adopted fit, only on request (--band, 'set band on'): 8 "
         "variational equations beside the 2 of the motion, once, to 1e-10");
-    refused(&bench, "export - energy --band", "only variables of the state have a band");
+    refused(&bench, "export - energy --band", "--band needs a column that is a state variable");
     refused(&bench, "export - data --band", "--band works only with columns of a run");
     type_ok(&bench, "y0 = 3 cm; plan");
     assert_null(strstr(said(&bench.out), "band      "));
     type_ok(&bench, "run 1 s");
     refused(&bench, "export - y --band", "y0 is 3 cm in run 2, and ");
-    refused(&bench, "export - run all --band", "--band works only for one run");
+    refused(&bench, "export - run all --band", "--band needs one run");
     bench_close(&bench);
 }
 

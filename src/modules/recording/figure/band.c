@@ -152,7 +152,7 @@ bool drawing_band(struct drawing *d)
 static const struct row band_rows[] = {
     {"off", "", "panes show only the runs", "", NULL},
     {"on", "",
-     "panes show a 95 % band around the run of an adopted fit, computed once after each run", "",
+     "panes show the 95 % band around a run that follows 'adopt', computed once after the run", "",
      NULL},
 };
 const struct catalog recording_band_catalog = CATALOG("kind of band", band_rows);

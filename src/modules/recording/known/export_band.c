@@ -41,7 +41,7 @@ bool export_band(const struct session *session, const struct argument_value *run
     struct arena *arena = export->arena;
     const struct table *table = &export->table;
     if (!run)
-        return error_at(error, where, "--band works only for one run of an adopted fit");
+        return error_at(error, where, "--band needs one run that follows 'adopt'");
     if (!band_of_run(session, run, where, error))
         return false;
     struct table_column *result = arena_array(arena, 3 * (size_t)table->columns, sizeof *result);
@@ -67,5 +67,6 @@ bool export_band(const struct session *session, const struct argument_value *run
     export->table.column = result;
     export->table.columns = columns;
     return banded > 0 ||
-           error_at(error, where, "only variables of the state have a band, and no column is one");
+           error_at(error, where,
+                    "--band needs a column that is a state variable; none of these is");
 }
