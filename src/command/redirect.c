@@ -12,7 +12,7 @@
 #include <string.h>
 
 /* Returns the text behind the last > outside of quotes, or {NULL, 0} if there is none. */
-static struct text behind_sign(struct text statement)
+static struct text text_behind_greater(struct text statement)
 {
     struct text found = {NULL, 0};
     char quote = 0;
@@ -80,7 +80,7 @@ static bool choose_content(const struct command *command, struct redirect *redir
 
 /* Parses `rest`, the text behind the sign >, into redirect->file (a word, or anything in quotes)
  * and redirect->force. Nothing is opened. Returns false unless it is a name and at most --force. */
-static bool read_file(struct text rest, struct redirect *redirect)
+static bool parse_file(struct text rest, struct redirect *redirect)
 {
     rest = text_trim(rest);
     struct text file = peek_word(rest, "");
@@ -98,9 +98,9 @@ static bool read_file(struct text rest, struct redirect *redirect)
  * otherwise leaves it unchanged and redirect->file empty. */
 void redirect_take(const struct command *command, struct text *statement, struct redirect *redirect)
 {
-    const struct text rest = behind_sign(*statement);
+    const struct text rest = text_behind_greater(*statement);
     *redirect = (struct redirect){.file = {NULL, 0}};
-    if (!(command->flags & COMMAND_TABLES) || !rest.data || !read_file(rest, redirect)) {
+    if (!(command->flags & COMMAND_TABLES) || !rest.data || !parse_file(rest, redirect)) {
         redirect->file = (struct text){NULL, 0};
         return;
     }
@@ -116,9 +116,9 @@ void redirect_take(const struct command *command, struct text *statement, struct
  * cannot be read. */
 void redirect_explain(const struct command *command, struct text statement, struct error *error)
 {
-    const struct text rest = behind_sign(statement);
+    const struct text rest = text_behind_greater(statement);
     struct redirect redirect;
-    if (!(command->flags & COMMAND_TABLES) || !rest.data || !read_file(rest, &redirect) ||
+    if (!(command->flags & COMMAND_TABLES) || !rest.data || !parse_file(rest, &redirect) ||
         !(error->where.data >= rest.data - 1 &&
           error->where.data <= statement.data + statement.len))
         return;

@@ -60,7 +60,7 @@ void program_title(struct scene_program *p, const char *prefix);
 bool program_takes(enum dialect dialect, const char *name);
 /* Appends to p->output the text of a program in C, Python or for Octave that computes the run,
  * made from the template of p->dialect. Returns false if out of memory or if cancelled. */
-bool program_computes(struct scene_program *p);
+bool program_write(struct scene_program *p);
 /* Returns true if the formulas have that word, followed by next_char unless it is '\0'. */
 bool program_uses(const struct scene_program *p, const char *name, char next_char);
 /* Moves the text of p->output to the arena and returns it, or "" if out of memory

@@ -351,8 +351,8 @@ static bool write_program(const struct session *session, size_t kind, struct are
         if (p.dialect == DIALECT_TEX)
             fine = program_tex(&p);
         else
-            fine = p.dialect == DIALECT_XPP ? program_xpp(&p)
-                                            : make_formulas(&p) && program_computes(&p);
+            fine =
+                p.dialect == DIALECT_XPP ? program_xpp(&p) : make_formulas(&p) && program_write(&p);
     }
     written_free(&p.written);
     buffer_put(output, buffer_text(&text));

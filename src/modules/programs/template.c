@@ -150,10 +150,10 @@ static void drop_unused_import(struct buffer *output)
     output->len -= len;
 }
 
-/* Writes a program in C, Python or for Octave, made from its template, whose lines between <<if
- * ...>> are written if the words there hold. Returns false with an error if cancelled or out of
- * memory. */
-bool program_computes(struct scene_program *p)
+/* Copies the template from the line after <<begin>> to the line <<words>>, behind which it lists
+ * the words that variables cannot be called by. A line <<if ...>> decides whether the lines up to
+ * the next one are copied. */
+bool program_write(struct scene_program *p)
 {
     const char *rest = strstr(template_of(p->dialect), "<<begin>>\n");
     bool active = true;

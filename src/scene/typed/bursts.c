@@ -30,7 +30,7 @@
 
 /* The path of the motion in a step, between its two states: a polynomial in s from 0 to 1. Also has
  * bounds of all names on an interval of s, for the expression that is being examined. */
-struct way {
+struct motion_path {
     const struct system *system;
     const struct typed *typed;
     const double *c; /* coefficients of the bound term */
@@ -45,32 +45,32 @@ struct way {
 
 /* Makes the path Hermite's cubic, with the derivatives at the ends, or a straight line where these
  * say little about what is between. */
-static void bend_way(const struct system *system, struct way *way)
+static void path_bend(const struct system *system, struct motion_path *path)
 {
-    const double h = way->t[1] - way->t[0];
+    const double h = path->t[1] - path->t[0];
     double first[LIMIT_VARIABLES], last[LIMIT_VARIABLES];
-    system_derivative(system, way->t[0], way->y_begin, first);
-    system_derivative(system, way->t[1], way->y_end, last);
+    system_derivative(system, path->t[0], path->y_begin, first);
+    system_derivative(system, path->t[1], path->y_end, last);
     for (int i = 0; i < system->n; i++) {
-        const double difference = way->y_end[i] - way->y_begin[i], a = h * first[i],
+        const double difference = path->y_end[i] - path->y_begin[i], a = h * first[i],
                      b = h * last[i];
         const bool curved =
             fmax(fabs(a), fabs(b)) <= SMOOTH_SLOPE_MAX * fabs(difference) + system->scale[i];
-        way->rate[i] = curved ? a : difference;
-        way->bend[0][i] = curved ? 3 * difference - 2 * a - b : 0;
-        way->bend[1][i] = curved ? a + b - 2 * difference : 0;
+        path->rate[i] = curved ? a : difference;
+        path->bend[0][i] = curved ? 3 * difference - 2 * a - b : 0;
+        path->bend[1][i] = curved ? a + b - 2 * difference : 0;
     }
 }
 
 /* Returns bounds of variable i for s from a to b. */
-static struct jet way_jet(const struct way *way, int i, double a, double b)
+static struct jet path_jet(const struct motion_path *path, int i, double a, double b)
 {
-    const double c = way->rate[i], d = way->bend[0][i], e = way->bend[1][i],
+    const double c = path->rate[i], d = path->bend[0][i], e = path->bend[1][i],
                  length2 = (b - a) * (b - a) / 8;
     const double bend[] = {2 * d + 6 * e * a, 2 * d + 6 * e * b};
     const double slope[] = {c + a * (2 * d + 3 * e * a), c + b * (2 * d + 3 * e * b)};
-    const double value[] = {way->y_begin[i] + a * (c + a * (d + a * e)),
-                            way->y_begin[i] + b * (c + b * (d + b * e))};
+    const double value[] = {path->y_begin[i] + a * (c + a * (d + a * e)),
+                            path->y_begin[i] + b * (c + b * (d + b * e))};
     const double margin = fmax(fabs(bend[0]), fabs(bend[1])) * length2,
                  turn = fabs(6 * e) * length2;
     return (struct jet){
@@ -89,59 +89,60 @@ static struct jet parameter_jet(double first, double last, double a, double b)
 
 /* Sets the bounds of all names but observed quantities, for s from a to b in [0, 1]; a == b is a
  * point. */
-static void name_all(const struct way *way, double a, double b, struct jet *name)
+static void name_all(const struct motion_path *path, double a, double b, struct jet *name)
 {
-    const struct typed *typed = way->typed;
+    const struct typed *typed = path->typed;
     const int n = typed->model.n;
-    name[0] = parameter_jet(way->t[0], way->t[1], a, b);
+    name[0] = parameter_jet(path->t[0], path->t[1], a, b);
     for (int i = 0; i < n; i++)
-        name[1 + i] = way_jet(way, i, a, b);
+        name[1 + i] = path_jet(path, i, a, b);
     for (int i = 0; i <= typed->reads; i++)
-        name[1 + n + i] = jet_number(way->c[1 + i]);
+        name[1 + n + i] = jet_number(path->c[1 + i]);
 }
 
 /* Computes bounds of an expression of the names on [a, b]. */
-static struct jet bounds_of(const struct way *way, const struct expr *expr, double a, double b)
+static struct jet bounds_of(const struct motion_path *path, const struct expr *expr, double a,
+                            double b)
 {
-    return a == b ? expr_jet(expr, way->name)
-                  : expr_jet_about(expr, way->name, way->centre,
+    return a == b ? expr_jet(expr, path->name)
+                  : expr_jet_about(expr, path->name, path->centre,
                                    (b - a) / 2 * (1 + BOUND_ROUNDING_RELATIVE));
 }
 
 /* Returns bounds of the right-hand side of equation `row`, and of its derivatives by s, for s from
  * a to b. */
-static struct jet row_bounds(struct way *way, int row, double a, double b)
+static struct jet row_bounds(struct motion_path *path, int row, double a, double b)
 {
-    const struct typed *typed = way->typed;
+    const struct typed *typed = path->typed;
     const int first = typed_first_observed(typed);
     const double middle = a + (b - a) / 2;
     struct jet sum = jet_number(0);
-    name_all(way, a, b, way->name);
+    name_all(path, a, b, path->name);
     if (a != b)
-        name_all(way, middle, middle, way->centre);
+        name_all(path, middle, middle, path->centre);
     for (int i = 0; i < typed->observes; i++) {
-        way->name[first + i] = bounds_of(way, typed->observe[i], a, b);
+        path->name[first + i] = bounds_of(path, typed->observe[i], a, b);
         if (a != b)
-            way->centre[first + i] = expr_jet(typed->observe[i], way->centre);
+            path->centre[first + i] = expr_jet(typed->observe[i], path->centre);
     }
     for (enum typed_group g = 0; g < GROUPS; g++)
         if (typed->group[g] && typed->group[g][row])
-            sum = jet_add(sum, bounds_of(way, typed->group[g][row], a, b));
+            sum = jet_add(sum, bounds_of(path, typed->group[g][row], a, b));
     return sum;
 }
 
 /* Returns the right-hand side of equation `row` (an acceleration or, in scenes of first order, a
  * rate) at that fraction, 0 to 1, of the path; NAN where it is not finite. */
-static double row_value(const struct way *way, int row, double fraction)
+static double row_value(const struct motion_path *path, int row, double fraction)
 {
-    const struct system *system = way->system;
+    const struct system *system = path->system;
     double y[LIMIT_VARIABLES], slope[LIMIT_VARIABLES];
     for (int i = 0; i < system->n; i++)
-        y[i] =
-            way->y_begin[i] +
-            fraction * (way->rate[i] + fraction * (way->bend[0][i] + fraction * way->bend[1][i]));
-    system_derivative(system, way->t[0] + (way->t[1] - way->t[0]) * fraction, y, slope);
-    const double value = slope[system->n - typed_rows(way->typed) + row];
+        y[i] = path->y_begin[i] +
+               fraction *
+                   (path->rate[i] + fraction * (path->bend[0][i] + fraction * path->bend[1][i]));
+    system_derivative(system, path->t[0] + (path->t[1] - path->t[0]) * fraction, y, slope);
+    const double value = slope[system->n - typed_rows(path->typed) + row];
     return isfinite(value) ? value : NAN;
 }
 
@@ -151,24 +152,25 @@ static double interval_magnitude_max(struct interval a)
 }
 
 /* Change that may hide between samples of an interval, and change that they show. */
-struct stretch_look {
+struct interval_change {
     double hidden, seen;
 };
 
 /* Compares bounds of a derivative on [a, b] with samples of it: either as deviations from a
  * straight line or as a range, whichever bounds are tighter. Both are 0 where there is no number or
  * only rounding. */
-static struct stretch_look stretch_examine(struct way *way, int row, double a, double b)
+static struct interval_change interval_compare(struct motion_path *path, int row, double a,
+                                               double b)
 {
-    const struct jet bounds = row_bounds(way, row, a, b);
+    const struct jet bounds = row_bounds(path, row, a, b);
     const double width = bounds.value.hi - bounds.value.lo, length = b - a;
     /* deviation from the straight line between the ends */
     const double bent = interval_magnitude_max(bounds.bend) * length * length / 8;
-    const double first = row_value(way, row, a), last = row_value(way, row, b);
+    const double first = row_value(path, row, a), last = row_value(path, row, b);
     double low = fmin(first, last), high = fmax(first, last), deviation = 0;
     for (int i = 1; i < INTERVAL_SAMPLES; i++) {
         const double fraction = (double)i / INTERVAL_SAMPLES,
-                     value = row_value(way, row, a + length * fraction);
+                     value = row_value(path, row, a + length * fraction);
         low = fmin(low, value);
         high = fmax(high, value);
         deviation = fmax(deviation, fabs(value - first - (last - first) * fraction));
@@ -177,16 +179,16 @@ static struct stretch_look stretch_examine(struct way *way, int row, double a, d
     if (isnan(width) ||
         hidden < BOUND_ROUNDING_RELATIVE *
                      interval_magnitude_max(bounds.value)) /* no number there, or rounding */
-        return (struct stretch_look){0, 0};
-    return bent < width ? (struct stretch_look){bent, deviation}
-                        : (struct stretch_look){width, high - low};
+        return (struct interval_change){0, 0};
+    return bent < width ? (struct interval_change){bent, deviation}
+                        : (struct interval_change){width, high - low};
 }
 
 /* Returns true if the samples in [a, b] differ from what the surroundings predict. A smooth force
  * whose second derivative changes sign there also shows only a small part of its bounds; but its
  * samples agree with the polynomial through points on either side (Lagrange), so that it is no
  * burst. */
-static bool stands_out(const struct way *way, int row, double a, double b, double seen)
+static bool stands_out(const struct motion_path *path, int row, double a, double b, double seen)
 {
     enum { POINTS = 6 };
     static const double around_it[3][POINTS] = {
@@ -199,7 +201,7 @@ static bool stands_out(const struct way *way, int row, double a, double b, doubl
         node = around_it[2];
     double value[POINTS], deviation = 0;
     for (int k = 0; k < POINTS; k++)
-        value[k] = row_value(way, row, a + node[k] * (b - a));
+        value[k] = row_value(path, row, a + node[k] * (b - a));
     for (int i = 1; i < INTERVAL_SAMPLES; i++) {
         const double fraction = (double)i / INTERVAL_SAMPLES;
         double interpolated = 0;
@@ -209,7 +211,7 @@ static bool stands_out(const struct way *way, int row, double a, double b, doubl
                 weight *= j == k ? 1 : (fraction - node[j]) / (node[k] - node[j]);
             interpolated += weight * value[k];
         }
-        const double difference = fabs(row_value(way, row, a + fraction * (b - a)) - interpolated);
+        const double difference = fabs(row_value(path, row, a + fraction * (b - a)) - interpolated);
         deviation = isnan(difference) ? INFINITY : fmax(deviation, difference);
     }
     return deviation * BOUND_SLACK_FACTOR > seen;
@@ -217,15 +219,15 @@ static bool stands_out(const struct way *way, int row, double a, double b, doubl
 
 /* Appends [a, b], as times, to the bursts, or joins it with one that it touches. Returns their
  * number. */
-static int burst_append(const struct way *way, double a, double b, struct burst *burst, int count,
-                        int max)
+static int burst_append(const struct motion_path *path, double a, double b, struct burst *burst,
+                        int count, int max)
 {
-    const double t_begin = way->t[0] + (way->t[1] - way->t[0]) * a,
-                 t_end = way->t[0] + (way->t[1] - way->t[0]) * b;
+    const double t_begin = path->t[0] + (path->t[1] - path->t[0]) * a,
+                 t_end = path->t[0] + (path->t[1] - path->t[0]) * b;
     for (int i = 0; i < count; i++)
         if (fmin(t_begin, t_end) <= fmax(burst[i].t_begin, burst[i].t_end) &&
             fmax(t_begin, t_end) >= fmin(burst[i].t_begin, burst[i].t_end)) {
-            const bool forward = way->t[1] > way->t[0];
+            const bool forward = path->t[1] > path->t[0];
             burst[i].t_begin =
                 forward ? fmin(burst[i].t_begin, t_begin) : fmax(burst[i].t_begin, t_begin);
             burst[i].t_end = forward ? fmax(burst[i].t_end, t_end) : fmin(burst[i].t_end, t_end);
@@ -239,12 +241,12 @@ static int burst_append(const struct way *way, double a, double b, struct burst 
 /* Searches the whole path for bursts of one derivative, by halving intervals. `size` is that of its
  * variable; *allowed counts down the intervals examined. Returns the number of bursts, at most
  * `max`. */
-static int row_search(struct way *way, int row, double size, bool sure, int64_t *allowed,
+static int row_search(struct motion_path *path, int row, double size, bool sure, int64_t *allowed,
                       struct burst *burst, int count, int max)
 {
-    const double length = fabs(way->t[1] - way->t[0]);
+    const double length = fabs(path->t[1] - path->t[0]);
     const double ulps =
-        INTERVAL_MIN_ULPS * DBL_EPSILON * fmax(fabs(way->t[0]), fabs(way->t[1])) / length;
+        INTERVAL_MIN_ULPS * DBL_EPSILON * fmax(fabs(path->t[0]), fabs(path->t[1])) / length;
     const double ends = sure ? fmin(fmax(AT_ENDS, ulps), 0.25) : 0;
     struct {
         double a, b;
@@ -257,14 +259,14 @@ static int row_search(struct way *way, int row, double size, bool sure, int64_t 
     for (int looks = 0; top > 0 && looks<ROW_BOUNDS_MAX && * allowed> 0; looks++, --*allowed) {
         const double a = stack[--top].a, b = stack[top].b, middle = a + (b - a) / 2;
         const int depth = stack[top].depth;
-        const struct stretch_look stretch = stretch_examine(way, row, a, b);
-        if (!(stretch.hidden * (b - a) * fabs(way->t[1] - way->t[0]) > HIDDEN_MOTION_MAX * size))
+        const struct interval_change stretch = interval_compare(path, row, a, b);
+        if (!(stretch.hidden * (b - a) * fabs(path->t[1] - path->t[0]) > HIDDEN_MOTION_MAX * size))
             continue;
         const bool seen = stretch.hidden <= BOUND_SLACK_FACTOR * stretch.seen;
-        if (seen && depth >= DEPTH_MIN && (!sure || stands_out(way, row, a, b, stretch.seen)))
-            count = burst_append(way, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, max);
+        if (seen && depth >= DEPTH_MIN && (!sure || stands_out(path, row, a, b, stretch.seen)))
+            count = burst_append(path, a == ends ? 0 : a, b == 1 - ends ? 1 : b, burst, count, max);
         /* one sample of a long stretch may have met a burst by chance */
-        if (seen && (depth >= DEPTH_MIN || !stands_out(way, row, a, b, stretch.seen)))
+        if (seen && (depth >= DEPTH_MIN || !stands_out(path, row, a, b, stretch.seen)))
             continue;
         /* a jump, or no number */
         if (depth == DEPTH_MOST)
@@ -287,16 +289,16 @@ int bursts_within(const struct system *system, const double t[2], const double *
     const struct typed *typed = system->model->typed;
     if (!typed)
         return count;
-    struct way way = {.system = system,
-                      .typed = typed,
-                      .c = system->typed.c,
-                      .t = {t[0], t[1]},
-                      .y_begin = y_begin,
-                      .y_end = y_end};
+    struct motion_path path = {.system = system,
+                               .typed = typed,
+                               .c = system->typed.c,
+                               .t = {t[0], t[1]},
+                               .y_begin = y_begin,
+                               .y_end = y_end};
     const int rows = typed_rows(typed);
-    bend_way(system, &way);
+    path_bend(system, &path);
     for (int i = 0; i < rows; i++)
-        count = row_search(&way, i, system->scale[system->n - rows + i], sure, allowed, burst,
+        count = row_search(&path, i, system->scale[system->n - rows + i], sure, allowed, burst,
                            count, max);
     return count;
 }
