@@ -10,9 +10,10 @@
 /* Distance from a crossing at which a branch begins beside it, where the range is 1. */
 #define NEIGHBOUR_PARAM_STEP 0.005
 
-/* Finds the first place if the start is a special point, at which the curve cannot be corrected at
- * a fixed parameter. At a fold another unknown is held fixed; at a crossing the walk begins beside
- * it. Returns false if none is found. */
+/* Finds the first place near the unknowns u if the start is a special point, at which the curve
+ * cannot be corrected at a fixed parameter. At a fold a variable is held fixed instead, each in
+ * turn; at a crossing the walk begins beside it, NEIGHBOUR_PARAM_STEP away and within the range.
+ * side (1 or -1) is the direction of the walk. Returns false if none is found. */
 static bool begin_at_special(const struct branch_request *r, struct solution_curve *path,
                              const double *u, int side, struct curve_place *first)
 {
@@ -74,7 +75,7 @@ bool branch_refuse_family(struct error *error)
 }
 
 /* Begins on the branch that leaves r->leave, or corrects r->start at its parameter, or beside it if
- * it is a special point. */
+ * it is a special point. Returns false with *error if there is none. */
 bool branch_begin(const struct branch_request *r, int side, double psize,
                   struct solution_curve *path, struct curve_place *first, struct error *error)
 {

@@ -53,10 +53,11 @@ static double longest_step_at(const struct branch_walk *w, const struct curve_pl
                 3 * longest * curve_unit(n, point->u) / sqrt(sum));
 }
 
-/* Finds the next point of a curve, *next, from `current` (previous may be NULL): halves *step, in
- * arclength, until the step converges and turns little and, if `resolves` is not NULL, until no
- * test function of that branch changes its sign twice. Returns false if the step becomes too small
- * compared with `longest`, or if cancelled. */
+/* Halves *step [length in the space of unknowns] until the step converges, turns little and, if
+ * `resolves` is given, changes the sign of no test twice; that last condition is given up below
+ * UNRESOLVED_STEP_FRACTION of `longest`. Returns false if *step becomes shorter than
+ * STEP_MIN_FRACTION of `longest`, or if cancelled. `previous`, if given, lets the guess follow the
+ * bend of the curve. */
 bool curve_next(const struct curve_problem *problem, const struct curve_place *previous,
                 const struct curve_place *current, double *step, double longest,
                 struct branch_walk *resolves, const struct cancel *cancel, struct curve_place *next)
@@ -106,8 +107,9 @@ static bool is_family_step(const struct branch_walk *w, const struct curve_place
     return one && fabs(point->tangent[w->path->problem->n]) < VERTICAL_TANGENT_PARAM;
 }
 
-/* Cuts orbits along which differences grow too much into more segments. Returns false if that
- * fails. */
+/* Cuts an orbit into more segments if differences grow too much along one, and corrects *point, now
+ * with more unknowns; the walk goes on from there without its memory of the place before.
+ * Equilibria need none of this. Returns false if that fails. */
 static bool orbit_segments_refine(struct branch_walk *w, struct curve_place *point)
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || !orbit_curve_is_long(&w->path->orbit))
@@ -247,7 +249,9 @@ static void unmark_repeats(struct branch_walk *w)
         }
 }
 
-/* Returns true if the branch ends with the point that has been recorded. */
+/* Returns true, with the reason stored, if the branch ends with the point that has been recorded:
+ * at the edge of the range (`leaves`), in a family of orbits at one parameter value, where the
+ * period grows without bound, or back at `start`. The step went from `point` to `next`. */
 static bool is_over(struct branch_walk *w, const struct curve_place *point,
                     const struct curve_place *next, const struct curve_place *start, bool leaves)
 {
@@ -294,8 +298,9 @@ static bool orbit_jumps(struct branch_walk *w, const struct solution *s)
            field_jumps(field, field->system.t0, s->state, s->period);
 }
 
-/* Returns true if the orbit meets a jump just beyond the last step, in the direction of the branch.
- * Rounding decides whether a correction gets across it. */
+/* Returns true if the orbit meets a jump just beyond `point`, in the direction of its tangent, up
+ * to OBSTACLE_DISTANCE_FRACTION of the `longest` step. Then a jump is why no further step was
+ * possible, even if rounding let a correction get across it. */
 static bool jumps_ahead(struct branch_walk *w, const struct curve_place *point, double longest)
 {
     if (w->path->kind == SOLUTION_EQUILIBRIUM || w->path->field.system.switches == 0)

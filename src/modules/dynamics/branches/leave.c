@@ -92,8 +92,9 @@ static double hopf_frequency(const struct solution *s)
     return omega;
 }
 
-/* Finds an orbit born at a Hopf point: a small ellipse in the plane of the eigenvector,
- * corrected. */
+/* Finds an orbit born at a Hopf point: a small ellipse in the plane of the eigenvector, turned by
+ * each segment's share of the period, then corrected. `param` is followed in units of psize. Sets
+ * *path and its first place; returns false with *error if there is none. */
 static bool leave_hopf(struct solution_curve *path, const struct scene *scene, int param,
                        double psize, const struct solution *hopf, const struct cancel *cancel,
                        struct curve_place *first, struct error *error)
@@ -133,7 +134,9 @@ static bool leave_hopf(struct solution_curve *path, const struct scene *scene, i
     return error_set(error, ERROR_COMMAND, "no orbit was found near the Hopf point");
 }
 
-/* Finds an orbit of twice the period, along the eigenvector of the multiplier -1. */
+/* Finds an orbit of twice the period, displaced along the eigenvector of the multiplier -1 of
+ * `doubling`. `param` is followed in units of psize. Sets *path and its first place; returns false
+ * with *error if there is none. */
 static bool leave_doubling(struct solution_curve *path, const struct scene *scene, int param,
                            double psize, const struct solution *doubling,
                            const struct cancel *cancel, struct curve_place *first,
@@ -171,8 +174,9 @@ static bool refuse_crossing(struct solution_curve *path, struct error *error)
     return error_set(error, ERROR_COMMAND, "no other branch was found at the branch point");
 }
 
-/* Finds a place of the other branch at a branch point, along the second null vector of the
- * Jacobian. */
+/* Finds a place of the other branch at a branch point: the Jacobian has two null vectors there, one
+ * along the known branch and the wanted one. side (1 or -1) chooses the direction along it. `param`
+ * is followed in units of psize. Returns false with *error if there is none. */
 static bool leave_crossing(struct solution_curve *path, const struct scene *scene, int param,
                            double psize, const struct branch_point *special, int side,
                            const struct cancel *cancel, struct curve_place *first,

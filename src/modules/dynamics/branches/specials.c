@@ -69,8 +69,9 @@ bool is_in_range(const struct branch_request *r, double *param)
     return true;
 }
 
-/* Locates the zero of a test. A fold of orbits that is too flat to be located is put at the better
- * of both places. Returns false if it is not found. */
+/* Locates the zero of test number `test` between two places, in f->point and f->uncertainty. A fold
+ * of orbits can be too flat to be located; if its parameter is known to FOLD_ROUNDING_RELATIVE
+ * anyway, the place with the smaller test is taken. Returns false if the zero is not found. */
 static bool locate_test(const struct branch_walk *w, const struct curve_place *previous,
                         const struct curve_place *next, int test, struct found_special *f)
 {
@@ -139,8 +140,9 @@ int specials_by_signs(struct branch_walk *w, const struct curve_place *a,
     return passes;
 }
 
-/* Locates the zeros of all tests between their last known places and `next`, and appends special
- * points to found [*count]. */
+/* Locates the zeros of all tests between their last known places (w->known) and `next`, and appends
+ * special points to found, of which there are *count. A test that is lost in rounding at `next` has
+ * no sign there and keeps its earlier place. */
 static void locate_all(struct branch_walk *w, const struct curve_place *next,
                        struct found_special *found, int *count)
 {
@@ -236,7 +238,8 @@ static bool is_fold(struct branch_walk *w, const struct found_special *f, double
     return true;
 }
 
-/* Appends a located point with its accuracy, and the first Lyapunov coefficient of a Hopf point. */
+/* Appends a located point with its relative accuracy, and the first Lyapunov coefficient of a Hopf
+ * point. A zero of the fold test that is no fold is left out. Returns false if out of memory. */
 bool special_record(struct branch_walk *w, const struct found_special *f)
 {
     double accuracy = f->uncertainty / fmax(fabs(f->point.u[w->path->problem->n]), 1e-3);
@@ -251,7 +254,10 @@ bool special_record(struct branch_walk *w, const struct found_special *f)
     return true;
 }
 
-/* Locates all special points of a step, sorts them along the branch and appends them. */
+/* Locates all special points between the last place and `next`, sorts them along the branch and
+ * appends them. `seen` is the solution at `next`; if it is given, the points must explain how its
+ * number of growing eigenvalues has changed, or more are searched. Returns false if out of
+ * memory. */
 bool walk_record_specials(struct branch_walk *w, const struct curve_place *next,
                           const struct solution *seen)
 {
@@ -278,7 +284,9 @@ static bool is_signed(const struct branch_walk *w, const struct curve_place *poi
 }
 
 /* Sets the signs of the tests, their largest values and the number of growing eigenvalues at the
- * start of a walk. */
+ * start of a walk. A test without a sign at `point` takes that of the first place on the other side
+ * of the start (w->opposite), if that is known and has as many unknowns (w->behinds). The last
+ * recorded point is the start. */
 void walk_start(struct branch_walk *w, const struct curve_place *point)
 {
     const int n = w->path->problem->n;

@@ -259,8 +259,10 @@ static void special_curve_end(struct special_curve *c)
     free(c->problem.work);
 }
 
-/* Sets up the curve and finds its first place, with a tangent towards growing (side 1) or falling
- * values. Returns false with *error. */
+/* Sets up the curve of special points like r->leave in the plane of the two parameters, and finds
+ * its first place, with a tangent towards growing (side 1) or falling (side -1) values of the
+ * second parameter, or of the first if the curve is normal to the second. Returns false with
+ * *error. */
 static bool begin_curve_side(struct special_curve *c, const struct branch_request *r, int side,
                              struct curve_place *first, struct error *error)
 {
