@@ -31,7 +31,7 @@ struct script {
     /* [pieces] positions of the lines in `pending`. If there are more than 64 lines, the last piece
      * also covers the further ones. */
     struct source_piece piece[64];
-    int pieces;
+    int pieces;   /* Number of elements of `piece`. */
     int commands; /* Value of session->history.done at the start, to count the script's commands. */
     bool ok,      /* All commands have succeeded so far. */
         stopped;  /* An error or a paused run has ended the script. */

@@ -49,8 +49,8 @@ enum collected_clock { CLOCK_DEVICE, CLOCK_ARRIVAL, CLOCK_UNEVEN };
 /* Facts about a recording that was collected from a sensor. Its file has the arrival time before
  * each line. */
 struct collected {
-    enum collected_clock clock;
-    size_t lines;    /* Lines received, without blank ones: the sum of the next five. */
+    enum collected_clock clock; /* Source of the times. */
+    size_t lines;               /* Lines received, without blank ones: the sum of the next five. */
     size_t samples;  /* Number of samples, which are lines with a value in the chosen column. */
     size_t skipped;  /* Lines before the first sample, such as text, a heading, half a line. */
     size_t garbled;  /* Later lines without a value in the chosen column. */
@@ -62,8 +62,8 @@ struct collected {
     /* Rate of the samples [Hz], NAN if unknown. Below it, the standard and the largest deviation
      * [s] of arrival times from the straight line of CLOCK_ARRIVAL. */
     struct measured rate;
-    double jitter, largest;
-    double last; /* Arrival time [s] of the last line. */
+    double jitter, largest; /* Standard and largest deviation [s]. */
+    double last;            /* Arrival time [s] of the last line. */
     /* Statement that collected the recording, as its file quotes it; empty if there is none. */
     struct text statement;
     struct calibration calibration; /* Calibration that the file of the recording states. */

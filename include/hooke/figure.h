@@ -33,7 +33,7 @@ struct cell {
 
 /* A rectangle of cells; begin with canvas_init(), end with canvas_free(). */
 struct canvas {
-    int width, height;
+    int width, height; /* Size [cell]. */
     struct cell *cell; /* [height * width] cells, row by row, owned. */
 };
 
@@ -196,20 +196,20 @@ struct curve {
 /* A thin grey line between two points, or a grey area with two opposite corners at them, drawn
  * below all curves; it changes no range and is not in the legend. */
 struct figure_guide {
-    double x[2], y[2];
-    bool area;
+    double x[2], y[2]; /* Coordinates of the two points. */
+    bool area;         /* An area is drawn instead of a line. */
 };
 
 /* A text that ends left of a point. Text figures omit it if it would cover something. */
 struct figure_label {
-    double x, y;
+    double x, y; /* Coordinates of the point. */
     const char *text;
 };
 
 /* A plot as data; owns nothing. Zero members are the defaults. */
 struct figure {
     const char *title;
-    struct axis x, y;
+    struct axis x, y; /* Axes of the first panel. */
     /* [2] axes x and y of a second panel, for curves of another size, or NULL if all curves share
      * one panel. The second panel is below the first one with the same x axis; if the figure is a
      * plane, beside or below it, whichever gives more room, with an x axis of its own. */
@@ -297,7 +297,7 @@ double scale_fraction(const struct scale *scale, double value);
 /* Layout that figure_draw() uses in a rectangle, for cursors and for callers that keep ranges and
  * widths steady. */
 struct figure_layout {
-    const struct charset *charset;
+    const struct charset *charset; /* Characters that the figure is drawn with. */
     /* The rectangle has room for a frame, and for labels of the axes. */
     bool frame, x_labels, y_labels;
     int gutter;                    /* Width [column] of the y labels. */
@@ -313,6 +313,7 @@ void figure_layout(const struct figure *figure, int width, int height,
                    const struct charset *charset, struct figure_layout *layout);
 /* One panel of a figure, as a figure of its own. */
 struct figure_panel {
+    /* Figure with `part` set, or the whole figure if it has a single panel. */
     struct figure figure;
     /* [cell] position in the rectangle and size; a later panel covers an earlier one where they
      * overlap */

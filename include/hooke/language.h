@@ -167,7 +167,7 @@ struct command {
     const char *see;      /* Names of related commands, separated by blanks. */
     /* [arguments] its arguments. */
     const struct argument *argument;
-    int arguments;
+    int arguments;  /* Number of arguments. */
     unsigned flags; /* Flags of enum command_flag. */
     enum completes completes;
     /* Executes the command with its arguments `value`. Returns false, with `error` set and the
@@ -221,8 +221,8 @@ struct argument_value {
 
 /* The arguments of a statement. */
 struct arguments {
-    const struct command *command;
-    struct text word; /* Name of the command as typed; empty for an assignment. */
+    const struct command *command; /* Command whose arguments these are. */
+    struct text word;              /* Name of the command as typed; empty for an assignment. */
     struct argument_value value[ARGUMENTS_MAX]; /* Values in the order of command->argument. */
     const struct expr_scope *scope;             /* Names in conditions and expressions. */
     struct arena *arena;                        /* Memory that lives until the command ends. */
@@ -365,7 +365,7 @@ enum listed {
 
 /* A row of list_catalog. Kinds of modules follow those of the enum. */
 struct list_kind {
-    struct row row;
+    struct row row; /* Name of the kind, as in `list NAME`. */
     /* Replies with the items of a module's kind. Returns false if out of memory. NULL for kinds of
      * the enum. */
     bool (*list)(struct session *session, struct arena *arena, struct reply *reply);

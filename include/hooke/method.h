@@ -53,7 +53,7 @@ struct cost {
     int64_t jacobians; /* evaluations of the Jacobian */
     int64_t solves;    /* solutions of linear or closed-form equations */
     int64_t rejected;  /* rejected steps; their evaluations are counted above */
-    int64_t turns;     /* steps that ended at a turning point, see method_turns() */
+    int64_t turns;     /* steps that ended at a turning point or switch, see method_turns() */
     int64_t poles;     /* fixed steps across a time at which a derivative is infinite */
 };
 

@@ -77,14 +77,14 @@ struct module_store {
     void (*read)(struct reader *reader);
 };
 
-/* Labels of earlier results, which `use LABEL` makes the latest ones again. */
+/* Labels of earlier results, to which the command `use LABEL` returns. */
 struct module_labels {
     /* Returns true if the word has the form of a label; NULL if the module has no labels. */
     bool (*is_label)(struct text word);
     /* Offers the labels that exist. */
     void (*complete)(struct completion *completion);
-    /* Makes the result whose label is the argument of `use` the latest one. Returns false with
-     * `error` set. */
+    /* Returns to the result whose label is the argument of `use`. Returns false with `error` set.
+     */
     bool (*use)(struct session *session, const struct arguments *arguments, struct reply *reply,
                 struct error *error);
 };

@@ -93,7 +93,7 @@ struct study_picture {
 /* A plot, which can also be a pane of the screen: a row of plot_catalog (src/plot/plots.c). Zero
  * members are the defaults. */
 struct plot_row {
-    struct row row;
+    struct row row;              /* Name of the plot, as in `plot NAME`. */
     enum plot_across horizontal; /* Kind of the horizontal axis. */
     enum plot_vertical vertical; /* Variables on the vertical axis, if it shows the state. */
     /* Observable on the vertical axis, or NULL for state variables or something else. */
@@ -214,8 +214,8 @@ struct figure_range {
 
 /* One side of a portrait: a variable and its range [SI]. */
 struct figure_side {
-    int variable;
-    double range[2];
+    int variable;    /* Index of the variable in the state. */
+    double range[2]; /* Begin and end. */
 };
 
 #define PEAKS_EACH 3 /* Largest number of peaks (lines) that are reported of one spectrum. */
@@ -230,15 +230,15 @@ struct figure_peak {
 
 /* The peaks of all spectra of a figure. */
 struct figure_peaks {
-    struct figure_peak peak[PEAKS_MAX];
+    struct figure_peak peak[PEAKS_MAX]; /* [count] */
     int count;
 };
 
 /* The description of a figure to be made, owned by the caller. Zero members are the defaults,
  * except `recording` and NAN where stated. */
 struct figure_request {
-    enum plot_kind kind;
-    const int *run; /* [runs] indices of the runs in the session. */
+    enum plot_kind kind; /* Plot to be drawn. */
+    const int *run;      /* [runs] indices of the runs in the session. */
     int runs;
     int recording; /* Index of the recording, or -1. */
     /* [methods] methods for the plot of a study: rows of the catalog. */

@@ -111,7 +111,7 @@ const struct row *session_keep_results(struct session *session, struct table_sto
 struct thinning {
     /* Distance of two rows that are written: a number of rows, or a time [s] if by_time. */
     double step;
-    bool by_time;
+    bool by_time; /* `step` is a time. */
     /* The next row that is written lies at or after `next` times `step`; private. */
     int64_t next;
 };
@@ -128,7 +128,7 @@ bool thinning_keeps(struct thinning *thinning, size_t i, double elapsed);
 
 /* Keys that are being made: call keys_begin(), the functions keys_add…(), then keys_finish(). */
 struct keys {
-    struct arena *arena;
+    struct arena *arena;   /* Owner of the keys. */
     struct table_key *key; /* [count] keys so far, in the arena. */
     int count;
     bool failed; /* Memory ran out; keys_finish() returns false. */
@@ -162,7 +162,7 @@ bool export_event_records(const struct session *session, struct export *export,
 
 /* The current state of a run with its errors, as the command `run` reports it. */
 struct run_record {
-    const struct run *run;
+    const struct run *run; /* The run. */
     /* Number of the run. */
     int number;
     /* Name of the method, and status as run_status() returns it. */
@@ -177,12 +177,12 @@ struct run_record {
     struct data_distance data;
     double t; /* Current time [s]. */
     int64_t steps;
-    struct cost cost;
-    double kinetic; /* Kinetic energy [J] if no total energy is known; else NAN. */
+    struct cost cost; /* Work of the steps. */
+    double kinetic;   /* Kinetic energy [J] if no total energy is known; else NAN. */
     /* Members `error`, `max`, `t` and `lost` of struct opinion; NAN if unknown. */
     double opinion_error, opinion_max, opinion_t, opinion_lost;
-    struct ledger ledger;
-    struct run_errors errors;
+    struct ledger ledger;     /* Energy balance. */
+    struct run_errors errors; /* Errors against the exact solution, if it is known. */
     /* [n] magnitudes [SI] below which variables have no reliable digit (run_below_tolerance()). */
     double error_floor[LIMIT_VARIABLES];
 };

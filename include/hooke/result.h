@@ -355,9 +355,10 @@ struct result_column {
     /* Adds the field `key` to the record, for values that no column_kind describes. */
     void (*record)(struct reply *reply, const char *key, const void *row);
     int digits; /* Significant digits of a COLUMN_REAL for people; 0 stands for 3. */
-    /* Adds the cell of a COLUMN_REAL for people in a form of its own; such as cell_error(). */
+    /* Function such as cell_error() that adds the cell of a COLUMN_REAL for people; NULL for the
+     * usual form. */
     void (*look)(struct text_table *table, double value);
-    /* Adds the cell for people in a form of its own, for a column of any kind. */
+    /* Adds the cell for people of a column of any kind; NULL for the usual form. */
     void (*cell)(struct text_table *table, const void *row);
 };
 
@@ -366,7 +367,7 @@ struct result_column {
 
 /* All columns of a result. */
 struct result_columns {
-    const struct result_column *column;
+    const struct result_column *column; /* [count] */
     int count;
     size_t size; /* Size [byte] of a row's struct. */
     int digits;  /* Significant digits of numbers other than integers in documents; 0 shows all. */

@@ -59,12 +59,12 @@ struct run_settings {
     /* Relative tolerance of adaptive steps; 0 for fixed steps. Ignored if the method has no
      * adaptive steps. */
     double tol;
-    enum drag drag;
+    enum drag drag;     /* Variant of drag. */
     enum kernel kernel; /* Fastest way of computing steps that is allowed. */
     /* Fixed steps use compensated sums (Kahan 1965): rounding errors of the state are carried
      * along. */
     bool compensated;
-    struct recording_rule record;
+    struct recording_rule record; /* Rule by which steps are recorded as rows. */
     /* The caller does not need the energy balance, so that it may be left out if there is more than
      * one step between recorded rows. */
     bool unbalanced;
@@ -86,7 +86,7 @@ struct plan {
     double growth;
     /* Largest stable dt [s], computed only if growth > 1, else NAN. */
     double limit;
-    int64_t whole;  /* Number of whole steps of dt in the span. */
+    int64_t whole;  /* Number of steps of length dt in the span. */
     double partial; /* Length [s] of the last, shorter step, or 0. */
     bool exact_end; /* The span is a whole number of steps; `partial` is 0. */
 };
@@ -214,8 +214,8 @@ struct run {
     struct system system;
     const struct method *method;
     struct run_settings settings;
-    struct plan plan;
-    struct trace *trace;
+    struct plan plan;    /* Plan made at the start. */
+    struct trace *trace; /* Recorded rows, owned. */
 
     int64_t steps; /* Number of steps taken. */
     double t;      /* Current time [s]. */

@@ -35,7 +35,7 @@ struct events;
 
 /* Everything of which a new run is made; plain data that undo copies. */
 struct setup {
-    struct scene scene;
+    struct scene scene; /* Model and parameters. */
     /* [owns] scenes that the user has made by typing all equations, with the values of their last
      * change; `scene NAME` finds them. */
     const struct preset *own[LIMIT_OWN];
@@ -47,7 +47,7 @@ struct setup {
     /* Steps are fixed although the method can adapt them, because the user gave dt= with the
      * method. */
     bool fixed;
-    struct settings settings;
+    struct settings settings;          /* Settings of `set`. */
     struct named_value let[LIMIT_LET]; /* [lets] values that the user has named by `let`. */
     int lets;
     /* [parameters of the scene] number, from 1, of the statement that last set the parameter; 0 if
@@ -91,8 +91,8 @@ extern const struct result_columns run_columns; /* Columns of struct run_row. */
 /* A recording with what the session stores about it. The session and undo entries share slots by
  * counting references. */
 struct recording_slot {
-    struct recording *recording;
-    int references; /* Number of owners of the slot. */
+    struct recording *recording; /* The recording, owned. */
+    int references;              /* Number of owners of the slot. */
     /* Options of `load`, after the file name, that load the same recording again; owned. */
     char *options;
     /* bytes_sum() of the recording's file. The session's file stores a copy of the content under
@@ -225,30 +225,30 @@ struct session_part {
 };
 /* The parts of all modules that have one. */
 struct session_parts {
-    struct session_part item[LIMIT_MODULES];
+    struct session_part item[LIMIT_MODULES]; /* [count] */
     int count;
 };
 
 /* Typed models and lists of events, to which set-up, runs and undo point; freed when nothing points
  * to them. */
 struct definitions {
-    struct typed_models *models;
-    struct events *events; /* Lists of events, linked, the newest first. */
+    struct typed_models *models; /* Models made by typing equations. */
+    struct events *events;       /* Lists of events, linked, the newest first. */
     /* Number of lists, and how many of them the last session_sweep() left. */
     size_t event_lists, event_lists_left;
 };
 
 /* The runs of a session. */
 struct runs {
-    struct run_slot *slot[LIMIT_RUNS];
-    int count, current; /* Number of runs, and index of the current one or -1. */
-    int next_number;    /* Number that users will see for the next run. */
-    uint64_t next_id;   /* Identifier of the next slot, see run_slot.id. */
+    struct run_slot *slot[LIMIT_RUNS]; /* [count] */
+    int count, current;                /* Number of runs, and index of the current one or -1. */
+    int next_number;                   /* Number that users will see for the next run. */
+    uint64_t next_id;                  /* Identifier of the next slot, see run_slot.id. */
 };
 
 /* Results of measurements and fits that expressions can use by name, the newest last. */
 struct named_results {
-    struct named_value value[LIMIT_RESULTS];
+    struct named_value value[LIMIT_RESULTS]; /* [count] */
     int count;
 };
 
@@ -316,19 +316,19 @@ struct execution {
 
 /* A session; owns all of it but the objects of the front end. */
 struct session {
-    struct front front;
+    struct front front;          /* The front end: its callbacks and properties. */
     struct session_parts *parts; /* State of modules. */
-    struct setup setup;
+    struct setup setup;          /* Scene, method and settings of the next run. */
     struct definitions definitions;
     struct runs runs;
-    struct recording_slot *recording[LIMIT_RECORDINGS];
+    struct recording_slot *recording[LIMIT_RECORDINGS]; /* [recordings] */
     /* Number of recordings, and index of the current one or -1. */
     int recordings, current_recording;
     /* The current recording was chosen after the current run, so that `measure` acts on the
      * recording. */
     bool data_is_latest;
 
-    struct named_results results;
+    struct named_results results; /* Results that expressions can use. */
     /* [measurements] rows of `list measurements`. */
     struct measurement *measurement;
     int measurements;
@@ -340,8 +340,8 @@ struct session {
     struct session_options options;
     uint64_t changes; /* Number of changes so far, by which saving detects new ones. */
 
-    struct view view;
-    struct log log;
+    struct view view; /* Panes, focus, zoom and cursors of the screen. */
+    struct log log;   /* Lines of the log pane. */
     struct live live;
     /* Facts about the recording that is being collected, or NULL if none is. While it is set only
      * commands with COMMAND_ANYTIME or COMMAND_BESIDE are allowed. */

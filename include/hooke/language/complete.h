@@ -15,7 +15,7 @@ struct completion {
     struct text word; /* The part of the word at the cursor that is to the left of the cursor. */
     /* Receives each candidate, with a line of explanation in `brief` or ""; gets `context`. */
     void (*offer)(void *context, const char *candidate, const char *brief);
-    void *context;
+    void *context; /* First argument of offer(). */
     /* Receives the ending of the files whose names are possible here ("" for any file), or NULL if
      * no file name is possible. The front end completes file names. */
     const char *file;

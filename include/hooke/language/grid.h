@@ -8,8 +8,8 @@
 struct value_grid {
     /* Name of the parameter or setting; set by the caller, as is `quantity`. */
     char name[LIMIT_NAME + 1];
-    enum quantity quantity;
-    double first, last; /* First and last value [SI]. */
+    enum quantity quantity; /* Quantity of the values. */
+    double first, last;     /* First and last value [SI]. */
     /* Number of values. */
     int count;
     bool log; /* Values form a geometric sequence, as with xFACTOR. */

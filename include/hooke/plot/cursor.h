@@ -16,14 +16,14 @@ struct snap_point {
 struct ground {
     /* Name, such as "run 1" or "data swing3". */
     char name[LIMIT_NAME + 16];
-    bool data; /* True for a recording, false for a run. */
-    struct series series;
-    struct overview overview;
+    bool data;                /* True for a recording, false for a run. */
+    struct series series;     /* Values that the cursors read. */
+    struct overview overview; /* Period, noise and extremes of the series. */
     /* [crossings] upward crossings of the equilibrium, and [peaks] peaks, each searched for only if
      * cursors snap to them. */
     struct snap_point *crossing, *peak;
-    size_t crossings, peaks;
-    struct arena *arena;
+    size_t crossings, peaks; /* Numbers of points found. */
+    struct arena *arena;     /* Owner of these arrays. */
 };
 
 /* Fills *ground with the current recording if session->view.cursors.on_data, else with the current

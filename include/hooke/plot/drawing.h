@@ -22,8 +22,8 @@
 /* A figure that is being made. */
 struct drawing {
     const struct session *session;
-    const struct figure_request *request;
-    struct arena *arena;
+    const struct figure_request *request; /* Description of the figure. */
+    struct arena *arena;                  /* Owner of the figure's memory. */
     /* Receives the reason of a failure. */
     struct error *error;
     /* [curves] curves so far. */
