@@ -28,9 +28,9 @@ static bool is_self(const char *name)
     return strcmp(name, ".") == 0 || strcmp(name, "..") == 0;
 }
 
-/* Calls act for each entry of the folder until it returns false. Sets stopped to the name of that
- * entry, or to "" if act accepted all. Returns false with errno set if the folder cannot be
- * read. */
+/* Calls act(fd, name, own) for each entry of the folder until it returns false; `own` decides which
+ * names belong to this program. Sets stopped to the name of the entry that was refused, or to "" if
+ * act accepted all. Returns false with errno set if the folder cannot be read. */
 static bool each_entry(int fd, bool (*act)(int fd, const char *name, folder_owns *own),
                        folder_owns *own, char stopped[NAME_MAX_SIZE])
 {

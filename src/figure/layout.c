@@ -114,8 +114,9 @@ static bool y_labels_fit(const struct figure *figure, const struct figure_layout
     return true;
 }
 
-/* Chooses the ticks of an axis: reduces their number until no two labels meet. Where only one would
- * remain, the first and the last of the previous attempt are taken instead. */
+/* Chooses the ticks of the vertical or horizontal axis, about `want` and at most `max`, and reduces
+ * their number until no two labels meet. Where only one would remain, the first and the last of the
+ * previous attempt are taken instead. */
 static void fit_ticks(const struct figure *figure, struct figure_layout *layout, bool vertical,
                       int want, int max)
 {

@@ -93,7 +93,8 @@ static size_t count_hidden(const struct figure *figure, bool vertical)
 }
 
 /* Returns a linear range for an extent: with a margin of 4 % above and below the curves, extended
- * to the next tick if that is near (not for equal axes). A constant gets a range around it. */
+ * to the next tick if that is near (not for equal axes). A constant gets a range around it. want
+ * and max are the desired and the largest number of ticks. */
 static struct scale linear_scale(const struct figure *figure, bool vertical, struct extent extent,
                                  int want, int max)
 {

@@ -136,8 +136,9 @@ CLONES static void extreme_rows_find(const double *row, int64_t count, int n, in
     }
 }
 
-/* Sets place to the rows that a bucket keeps, in order: its first row, which is row `first`, and
- * those of its extremes, which are counted from that one. Returns how many they are, 1 to 3. */
+/* Sets place[] to the indices of the rows that a bucket keeps, in order: row `first`, with which
+ * the bucket begins, and those of its extremes, first + low and first + high. Returns how many
+ * different rows they are, 1 to 3. */
 static inline size_t bucket_rows(int64_t first, int64_t low, int64_t high, int64_t place[3])
 {
     const int64_t earlier = low < high ? low : high;

@@ -159,8 +159,10 @@ int64_t run_probed_steps(const struct system *system, int64_t steps, int64_t eva
     return looks;
 }
 
-/* Returns true if a step and its neighbours together miss much of the force in them, by one of the
- * rules. The neighbours are included because they may compensate the error. */
+/* Returns true if the step of length h at t, alone and together with its neighbours, misses much of
+ * the force in it, by Gauss's rule or, for methods up to order 4, also by Simpson's. The neighbours
+ * are included because they may compensate the error. `size` holds the sizes of the variables, and
+ * `probes` is the number of samples per step. */
 static bool misses_pulse(const struct run *run, const double *size, double t, double h, int probes)
 {
     const struct system *system = &run->system;

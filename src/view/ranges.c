@@ -94,8 +94,9 @@ static void extend_collected(const struct session *session, const struct figure 
     extent_include(extent, middle + size);
 }
 
-/* Extends an extent, while a run is in progress, to the amplitude that the scene is expected to
- * have, so that the first frame already shows the final range. */
+/* Extends the extent of an axis of the pane, while a run is in progress, to the amplitude or energy
+ * that the scene is expected to have, so that the first frame already shows the final range. While
+ * a recording is collected, extend_collected() does that. */
 static void extend_expected(const struct session *session, const struct figure *figure,
                             enum plot_kind pane, bool vertical, struct extent *extent)
 {

@@ -20,8 +20,9 @@ bool takes_long(double seconds)
     return seconds > seconds_asked;
 }
 
-/* Returns true if the run may take that long [s]: it is short, forced, or a person at the prompt
- * agrees or watches it and can pause it; else false with the error set. */
+/* Returns true if the run may take `seconds` for about `steps` steps: it is short, forced
+ * (`force`), or a person at the prompt agrees or watches it and can pause it. Otherwise returns
+ * false with the error set. */
 bool allow_long(struct session *session, double seconds, double steps, bool force,
                 struct error *error)
 {
@@ -115,11 +116,9 @@ static bool advance_begin(struct session *session, const struct arguments *args,
     return !slot->events || advance_watch(session, args, advance, error);
 }
 
-/*
- * Returns the estimated remaining time [s], or 0 if it is not yet known. The number of steps of an
- * adaptive run is not known beforehand: each time that it has doubled, its last half is the basis
- * of the estimate.
- */
+/* Returns the estimated remaining time [s] of an adaptive run, or 0 if it is not yet known. The
+ * number of steps is not known beforehand: each time that it has doubled since the step `first`,
+ * its last half is the basis of the estimate; *pace stores where that half began. */
 static double time_left(const struct run *run, const struct run_target *target, int64_t first,
                         struct step_pace *pace)
 {

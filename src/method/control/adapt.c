@@ -187,8 +187,10 @@ static enum step_status adapt_library(const struct method *method, struct step *
     return STEP_OK;
 }
 
-/* Takes a step of a system with switches, frozen on the branches that hold at its start, or of the
- * whole system if none of them leads on. */
+/* Takes one accepted step towards t_end of a system with switches, on a copy that is frozen on the
+ * branches at the start of the step, or of the system itself if no combination of branches holds
+ * there. Returns the status of the step, STEP_NONFINITE if the equations are not defined where it
+ * ended. */
 static enum step_status adapt_between_switches(const struct method *method, struct step *step,
                                                struct controller *controller, double t_end)
 {

@@ -43,7 +43,9 @@ static void add_node(struct step *step, double t, double h, double c, double w, 
         sum[i] += w * slope[i];
 }
 
-/* Computes the residual h (mean of f) - z, for a newton_residual_function. */
+/* Computes residual [n] = h (mean of f over the segment from y to y + z) - z, for a
+ * newton_residual_function. A linear f has its mean in the middle; otherwise Gauss's rule is used.
+ * `scratch` is work space. */
 static void mean_residual(const struct newton *equations, struct step *step, int n, double t,
                           double h, const double *y, const double *z, double *scratch,
                           double *residual)

@@ -118,8 +118,10 @@ static void increments_weigh(int stages, int n, const double *y, const double *z
     }
 }
 
-/* Finds the solution near z by Newton's iteration with a new Jacobian each time. Returns false
- * unless each increment is at most CONTRACTION_MAX of the one before. */
+/* Finds the solution z [stages * n] near the given z by Newton's iteration with a new Jacobian each
+ * time; y is the state at t and weight [n] scales the increments. Returns false unless each
+ * increment is at most CONTRACTION_MAX of the one before, so that z stays with the solution it was
+ * near to. */
 static bool iterate_contracting(const struct newton *equations, struct step *step, int n, double t,
                                 double h, const double *y, double *z, const double *weight,
                                 struct workspace *workspace)

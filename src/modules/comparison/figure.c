@@ -51,9 +51,9 @@ static double evaluation_seconds(const struct precision *precision, int curve)
     return least;
 }
 
-/* Returns the horizontal position of a point: its time [s] or its number of evaluations. For a
- * solve that was given up this is extrapolated to the whole duration. Returns NAN if it is
- * unknown. */
+/* Returns the horizontal position of a point: its computing time [s] if `timed` is set, else its
+ * number of evaluations. For a solve that was given up both are extrapolated to the whole duration.
+ * Returns NAN if unknown. */
 static double point_work(const struct precision *precision, const struct precision_point *point,
                          bool timed)
 {

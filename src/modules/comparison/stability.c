@@ -304,9 +304,10 @@ static struct method_choice *last_studied(const struct session *session, int *co
     return choice;
 }
 
-/* Studies each method into `studied`, traces their boundaries in the plane and stores them as a
- * result. Methods of several that do not apply are left out with a note. Returns false with an
- * error if none is left, if out of memory, or if cancelled. */
+/* Studies the methods choice [choices] with step dt into `studied`, traces the boundaries of their
+ * regions in the plane, and stores these as a result. Of several methods, those that do not apply
+ * are left out with a note. Returns false with an error if none is left, if out of memory, or if
+ * cancelled. */
 static bool trace_regions(struct session *session, enum region_plane plane,
                           const struct method_choice *choice, int choices, double dt,
                           struct stability *studied, struct reply *reply, struct error *error)

@@ -450,8 +450,8 @@ bool path_of_dots(const struct curve *curve, const struct plot_area *area,
     return ok && !path->corners.failed;
 }
 
-/* Returns true if the path has a part inside the box [pt]. A corner that begins a line counts as a
- * line of length 0. */
+/* Returns true if some line of the path is partly inside the box between left, right, top and
+ * bottom [pt]. A corner that begins a line counts as a line of length 0. */
 bool path_meets(const struct path *path, double left, double top, double right, double bottom)
 {
     const struct corner *corner = path_corners(path);

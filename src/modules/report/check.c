@@ -375,8 +375,9 @@ static bool is_copy(const struct checked *one, const struct checked *other)
     return one->sum == other->sum && !same_folder;
 }
 
-/* Checks the folder checked[index]; those before it are searched for the same report. Returns 0 if
- * it agrees, ERROR_COMMAND if it differs, ERROR_USAGE if it has no session to run. */
+/* Checks the hand-in in folder checked[index] by running its session again; the folders before it
+ * are searched for the same report. Replies with the differences. Returns 0 if all agrees,
+ * ERROR_COMMAND if something differs, ERROR_USAGE if there is no session to run or no memory. */
 static int check_folder(struct session *session, struct checked *checked, int index,
                         struct reply *reply)
 {

@@ -181,11 +181,11 @@ static bool take_row(struct sweep_scan *scan, struct text line)
     return true;
 }
 
-/* Reads one line into scan->file by its kind: the line of an unfinished file, which tells its
- * shard; the seal behind the rows of a sweep, with a checksum of its head, the number of points in
- * all and the largest number of rows of one; a line of the head, the last of which names the
- * columns ("point,..."); or else a row of values. Returns false with an error if the line belongs
- * to another sweep or is none of these. */
+/* Reads one line of a sweep's file into scan->file, by its kind: the line of an unfinished file,
+ * which tells its shard; the seal behind the rows of a sweep, with a checksum of its head, the
+ * number of points in all and the largest number of rows of a point; a line of the head, the last
+ * of which names the columns ("point,..."); or else a row of values. Returns false with an error if
+ * the line belongs to another sweep or is none of these. */
 static bool take_line(struct sweep_scan *scan, struct text line)
 {
     struct sweep_file *file = scan->file;

@@ -169,7 +169,8 @@ static void growing_window(struct drawing *d, double t_begin, double t_end, doub
 
 /* Chooses the window of the drawing: that of the other plots, that of the request, the trail of a
  * plane, or the newest part in a live view. */
-/* Returns the range of a run's first coordinate between two times. */
+/* Returns the difference between the largest and the least value of the run's first coordinate in
+ * the recorded rows from t_begin to t_end, or -infinity if there is none. */
 static double coordinate_range(const struct run *run, double t_begin, double t_end)
 {
     const struct trace *trace = run->trace;

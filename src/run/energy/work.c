@@ -306,8 +306,9 @@ static double quintic_acceleration(const struct quintic *p, double s)
            s * (1 - 8 * r + 10 * r * r) * p->a1;
 }
 
-/* Compares Lobatto's rule on two halves of the step, and the quintic's acceleration with the
- * force. */
+/* Returns true if the work of a step from y0 to y1, by Lobatto's rule, is accurate to `allowed`:
+ * the rule on both halves of the step gives the same, and the acceleration of the quintic between
+ * the states agrees with the force. */
 bool work_converges(const struct system *system, double t, double h, const double *y0,
                     const double *y1, double work, double allowed)
 {

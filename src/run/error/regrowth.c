@@ -332,8 +332,10 @@ static void solutions_compare(struct regrowth *r, struct growth *growth, const d
     follower_state_changed(&r->displaced);
 }
 
-/* Sets growth->lost if the error has been ERROR_LOST for ROWS_LASTING rows or at the last one.
- * Shorter large errors are those of the times of jumps. */
+/* Takes the row at time t into the judgement of an error that grows back; `agrees` tells that both
+ * solutions agree there. Sets growth->lost to the time from which the error has been ERROR_LOST for
+ * ROWS_LASTING rows, or at the last one (is_last). Shorter large errors are those of the times of
+ * jumps. */
 static void growth_judge(struct growth *growth, double t, bool agrees, bool is_last)
 {
     if (growth->error > 0 && agrees)

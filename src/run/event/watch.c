@@ -104,8 +104,9 @@ static double load_value(const void *context, int slot)
     return ((const double *)context)[slot];
 }
 
-/* Returns the value of a slot that is not a variable at the state y. Its scope reads the run's
- * present state, so that is y for a moment. */
+/* Returns the value of a name in an event's expression that is not a variable (its slot in the
+ * scope), at time t and state y. The scope reads the run's present state, so that the run is given
+ * t and y for a moment. */
 static double load_other(struct event_watch *watch, const struct watched *watched, int slot,
                          double t, const double *y)
 {

@@ -36,8 +36,10 @@ int64_t run_follow_steps(double evals)
     return (int64_t)fmin(FOLLOW_STEPS_MAX, steps_min + evals / evals_a_step);
 }
 
-/* Follows the solution from a row, whose state the method may have led away from it. An end that it
- * finds counts only if another method, from the run's start, does not get past it either. */
+/* Follows the exact solution from the state in `row`, to which the method may have led the run, up
+ * to time `end` in at most steps_max steps, and sets *followed. An end of the solution counts only
+ * if another method, from the run's start, does not get past that time either; what cannot be
+ * concluded is SOLUTION_UNKNOWN. */
 static void follow_row(const struct run *run, size_t row, double end, int64_t steps_max,
                        struct followed *followed)
 {

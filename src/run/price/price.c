@@ -324,8 +324,8 @@ static enum column_kind column_kind(const struct observable *o)
     return o->needs & NEED_WORK ? COLUMNS_BALANCE : COLUMNS_PLAIN;
 }
 
-/* Adds the names of all observables of one kind that are defined for the run, as one item with a
- * note after it. */
+/* Adds an item with `price` to the list: the names of all observables of this kind that are defined
+ * for the run, followed by `note`. Adds nothing if there are none. */
 static void add_columns(const struct run_scenario *s, enum column_kind kind, double price,
                         const char *note, struct list *list)
 {

@@ -37,9 +37,9 @@ static void root_report(struct root_search *roots, double x, int sign)
     roots->stopped = !roots->found(roots->context, x, sign) || roots->stopped;
 }
 
-/* Finds a zero between a and b, at which f has different signs, by inverse quadratic interpolation
- * where it is safe, else by bisection (Chandrupatla 1997). Returns a point at which f is 0 or has
- * the sign of fb. */
+/* Finds a zero between a and b, at which the function has the values fa and fb with different
+ * signs, to within `min` in x, by inverse quadratic interpolation where it is safe, else by
+ * bisection (Chandrupatla 1997). Returns a point at which the value is 0 or has the sign of fb. */
 double root_between(double (*value)(void *context, double x), void *context, double a, double fa,
                     double b, double fb, double min)
 {

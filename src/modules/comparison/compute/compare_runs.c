@@ -398,8 +398,9 @@ static bool compare_all(const struct compare_request *request, const struct refe
     return true;
 }
 
-/* Times the solves of all rows that reached the end, side by side, so that whatever disturbs the
- * machine affects all of them alike. Returns false with an error if out of memory or cancelled. */
+/* Measures the computing times of those rows [count] whose runs reached the end, side by side, so
+ * that whatever disturbs the machine affects all of them alike. Returns false with an error if out
+ * of memory or cancelled. */
 static bool time_rows(const struct compare_request *request, struct comparison *rows, int count,
                       struct error *error)
 {

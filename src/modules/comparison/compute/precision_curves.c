@@ -351,9 +351,9 @@ static bool sweep_once(struct sweeping *sweep, int64_t begin, double seconds, st
     return ok;
 }
 
-/* Sweeps all curves. If the finest runs contradict the reference, it is computed again with steps
- * like theirs, and all curves are swept anew. Returns false with an error if out of memory or
- * cancelled. */
+/* Solves all points of all curves, within about `seconds` from `begin` (a time of clock_ns()). If
+ * the finest runs contradict the reference, it is computed again with steps like theirs, and all
+ * curves are solved anew. Returns false with an error if out of memory or cancelled. */
 static bool sweep_all(const struct precision_request *request, struct precision *precision,
                       int64_t begin, double seconds, struct error *error)
 {

@@ -197,8 +197,8 @@ static struct side look_at_side(const struct branch_request *r, const struct bra
     return side;
 }
 
-/* Returns true if there is no solution at this parameter, beyond a fold, within twice the arclength
- * of its arms. */
+/* Returns true if there is no solution at the parameter `param` (a part of its range), beyond a
+ * fold, within twice the arclength `arm` of its arms. */
 static bool has_no_solution(const struct branch_request *r, const struct branch_point *special,
                             double param, double arm)
 {

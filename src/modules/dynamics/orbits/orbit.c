@@ -64,8 +64,9 @@ static void orbit_progress_report(const struct orbit_search *s)
         s->request->progress(s->request->context, 0);
 }
 
-/* Tries to close an orbit. The first one found is stored in *s->found, and a wanted one replaces
- * it: a stable one, or any if the motion need not settle. Returns true if it is wanted. */
+/* Tries to close an orbit near `state` with this period, which is `multiple` periods of the drive
+ * (0 without a drive). The first orbit found is stored in *s->found, and a wanted one replaces it:
+ * a stable one, or any if the motion need not settle. Returns true if the orbit is wanted. */
 static bool try_orbit(struct orbit_search *s, const double *state, double period, int multiple)
 {
     struct found_orbit orbit = {.samples = 0};

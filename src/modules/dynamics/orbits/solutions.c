@@ -93,8 +93,8 @@ static void extend_extremes(struct solution *s, int i, double y)
     s->bottom[i] = fmin(s->bottom[i], y);
 }
 
-/* Extends the extrema of variable i by those of the cubic between two states that are a time h
- * apart. */
+/* Extends the extrema of variable i in *s by y1 and by those of the cubic over a time h with values
+ * y0, y1 and rates f0, f1 at its ends. */
 static void cubic_extremes(struct solution *s, int i, double h, double y0, double f0, double y1,
                            double f1)
 {

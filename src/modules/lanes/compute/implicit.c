@@ -224,8 +224,9 @@ CLONES static void stage_base(const double *w, int count, const double *h,
         }
 }
 
-/* Makes the step of one lane alone, by method_step(), from its old state and previous slope; writes
- * the new state to stage->sum and the last slope to `last`. The state is NAN if the step fails. */
+/* Takes the step of one lane by method_step(), from the state in lanes->y and its slope in
+ * `previous`; writes the new state to stage->sum and the last slope to `last`. The state is NAN if
+ * the step fails. */
 static void step_lane_alone(struct lanes *lanes, int lane, double (*previous)[LANE_COUNT],
                             struct lane_stage *stage, double (*last)[LANE_COUNT])
 {

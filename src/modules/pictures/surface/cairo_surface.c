@@ -102,7 +102,8 @@ static cairo_status_t append_bytes(void *context, const unsigned char *data, uns
     return buffer->failed ? CAIRO_STATUS_WRITE_ERROR : CAIRO_STATUS_SUCCESS;
 }
 
-/* Creates cairo's own surface: a PDF that is written to `output`, or an image. */
+/* Creates cairo's own surface of width x height [pt]: a PDF that is written to `output`, or an
+ * image in memory with PICTURE_PIXELS_EACH pixels a point. */
 static cairo_surface_t *make_surface(const struct cairo_api *api, enum picture kind, double width,
                                      double height, struct buffer *output)
 {

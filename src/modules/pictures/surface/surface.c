@@ -4,7 +4,8 @@
 
 #include <stdlib.h>
 
-/* Appends an element to the path. Sets surface->failed if out of memory. */
+/* Appends an element to the path: the end point x, y of a move or a line, or a circle of that
+ * centre and radius. Sets surface->failed if out of memory. */
 static void add_point(struct surface *surface, enum path_kind kind, double x, double y,
                       double radius)
 {

@@ -53,7 +53,8 @@ static void baseline_basis(const struct gram_block *block, int terms, double t,
         value[m] = value[m - 1] * s;
 }
 
-/* Adds one sample's columns and basis values to the sums. */
+/* Adds one sample to the sums: products of its columns [count] to *normal, and of the baseline's
+ * basis functions base [terms], with the columns and with each other, to *block. */
 static void add_row(int count, int terms, const double *column, const double *base,
                     struct gram_block *block, struct normal *normal)
 {

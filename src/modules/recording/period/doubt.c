@@ -10,9 +10,9 @@
 /* Largest number of cycles that are judged. */
 enum { CYCLES_USED = 128 };
 
-/* Returns the probability that values which follow a straight line or a parabola differ by chance
- * as much as these do between every `turns`-th one and the others, by their uncertainties or, if
- * larger, by their scatter. */
+/* Returns the probability that values x [n] which follow a straight line or a parabola differ by
+ * chance as much as these do between every `turns`-th one and the others. The test uses their
+ * uncertainties or, if larger, their scatter. Returns 1 if there are too few values. */
 static double turns_chance(const struct measured *x, size_t n, size_t turns)
 {
     enum { COLUMNS = 5, WIDTH = COLUMNS + 1, PARABOLA_MIN = 8 };

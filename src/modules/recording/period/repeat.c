@@ -31,8 +31,10 @@ static double weighted_mean_with(const struct measured *x, int n, double sigma_b
     return square;
 }
 
-/* Returns the standard deviation that has to be added to each stated uncertainty so that the sum of
- * squares becomes n - 1, or 0 if it is not larger. Found by bisection, as the sum falls with it. */
+/* Returns the standard deviation that has to be added to the uncertainties of x [n] so that the
+ * weighted sum of squares becomes n - 1, or 0 if the sum is not larger without it. Found by
+ * bisection, starting from `scatter`, the standard deviation of the values, as the sum falls with
+ * it. */
 static double scatter_between(const struct measured *x, int n, double scatter)
 {
     struct measured mean;

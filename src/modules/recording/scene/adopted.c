@@ -167,8 +167,8 @@ void adopted_scale(struct fit *fit, double scale)
             fit->covariance.entry[i][j] *= factor[i] * factor[j];
 }
 
-/* Computes the derivatives of all adopted values by parameter i of the fit, by central
- * differences. */
+/* Computes the derivatives of all adopted values by parameter i of the fit, by central differences;
+ * n and at_rest are passed to adopted_values(). They are 0 if the parameter has no uncertainty. */
 static void slope_of(const struct scene *scene, const struct fit *fit, int i, int n, bool at_rest,
                      double slope[ADOPTED_VALUES])
 {

@@ -173,9 +173,9 @@ struct measured series_mean(const struct series *s)
     return (struct measured){mean, sqrt(square / span)};
 }
 
-/* Returns true if the flagged stretches come at even intervals and are of similar height: they are
- * pulses of the motion, not values that a sensor missed. Stretches that all read one value come
- * from a sensor, however often they occur. scratch [n] is work space. */
+/* Returns true if the flagged stretches come at even intervals and have similar heights above
+ * `middle`: they are pulses of the motion, not values that a sensor missed. Stretches that all read
+ * one value come from a sensor, however often they occur. scratch [n] is work space. */
 static bool spikes_recur(const struct samples *x, double middle, double *scratch)
 {
     enum { SPIKES = 512, RECUR_MIN = 5 };

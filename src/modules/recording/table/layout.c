@@ -265,7 +265,8 @@ static enum commas commas_of(const struct found *found, int fields_above)
     return fields_above >= 2 || found->led_by_zero ? COMMAS_UNCLEAR : COMMAS_PERHAPS;
 }
 
-/* Sets the layout of the table that was found. Returns false if its commas must be decimal marks,
+/* Sets *layout to the layout of the table that was found: its separator, decimal mark, names, and
+ * first row at or after first_line. Returns false if the commas of the table must be decimal marks,
  * so that this separator is wrong. */
 static bool layout_fill(const struct table_text *text, size_t first_line,
                         const struct load_options *options, const struct found *found,

@@ -185,8 +185,9 @@ static bool schedule(struct program *p, const int *retained)
 
 /* ---- the scalar form ---- */
 
-/* Runs the program: loads names into the frame, applies the operations, and returns the first two
- * outputs; others are written to output. */
+/* Runs the program by interpretation: loads the names in use into the frame (x0, x1, x2 are the
+ * first three, `state` those that move, `steady` the others), applies the operations, and returns
+ * the first two outputs; further ones are written to output. */
 static struct leading interpret(const struct program *p, double x0, double x1, double x2,
                                 const double *state, const double *steady, double *output,
                                 double *frame)
