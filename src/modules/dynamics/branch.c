@@ -61,9 +61,9 @@ static struct text take_argument(struct text *rest)
     return text_trim(argument);
 }
 
-/* Reads NAME=FROM:TO of a parameter and adds it to *words; `argument` is the text and `name` the
- * part before '='. Returns false with *error if the parameter is unknown, given twice or a third
- * one, or the range is not ascending. */
+/* Reads NAME=FROM:TO of a parameter, with both ends, and appends it to words->param, low and high
+ * (SI). `argument` is all of it, `name` its part before the equals sign. Returns false with *error,
+ * such as for a third parameter. */
 static bool read_range(struct session *session, const struct arguments *args, struct text argument,
                        struct text name, struct branch_words *words, struct error *error)
 {
@@ -93,7 +93,8 @@ static bool read_range(struct session *session, const struct arguments *args, st
     return true;
 }
 
-/* Reads NAME=NUMBER, above 0 and at most `most`. Returns false with *error. */
+/* Reads NAME=NUMBER, a number without unit above 0 and at most `most`, into *number. `argument` is
+ * all of it, `name` its part before the equals sign. Returns false with *error. */
 static bool read_number(struct session *session, const struct arguments *args, struct text argument,
                         struct text name, double most, double *number, struct error *error)
 {
@@ -226,9 +227,9 @@ static bool find_first_equilibrium(struct session *session, struct stored_soluti
     return error_hint(error, "type: equilibria, or say 'of orbit' or 'of response'");
 }
 
-/* Finds the solution at which the branch begins, and writes its name (such as "HB1") to `origin`.
- * Without "of" or "from" it is the first equilibrium, else the last orbit. Returns false with
- * *error. */
+/* Finds the solution at which the branch begins, and writes its name (such as "HB1") to origin
+ * [LIMIT_NAME + 1]. Without "of" or "from" it is equilibrium 1, or the last orbit if there are
+ * orbits but no equilibria. Returns false with *error. */
 static bool find_start(struct session *session, const struct branch_words *words,
                        struct stored_solution *found, char *origin, struct error *error)
 {
@@ -282,7 +283,8 @@ static double longest_step(const struct branch *branch)
     return longest;
 }
 
-/* Appends the answer: extent and ends of the branch, its special points, effort. */
+/* Appends the answer: number, extent and ends of the branch with the reasons for them, its special
+ * points, effort, and the longest step, since it may miss special points. */
 static void put_branch(const struct session *session, const struct stored_branch *b,
                        struct arena *arena, struct buffer *output)
 {

@@ -121,7 +121,8 @@ static void put_contradiction(const struct stored_branch *branch, const struct s
         buffer_format(output, "%s: NO, as %s\n", label, contradiction);
 }
 
-/* Appends one table with the special points of several branches, then what contradicts them. */
+/* Appends one table with the special points of `count` branches, then what contradicts them;
+ * nothing if there are none. The column of periods T is left out if no point has one. */
 void put_points(const struct session *session, const struct stored_branch *const *branch, int count,
                 struct arena *arena, struct buffer *output)
 {
@@ -356,7 +357,8 @@ bool dynamics_list_points(struct session *session, struct arena *arena, struct r
 
 /* ---- use ---- */
 
-/* Finds an equilibrium by its number; NULL stands for the first. */
+/* Finds an equilibrium by its number; NULL stands for the first. Sets found->solution and
+ * found->scene, with the parameters of the search. Returns false with *error if there is none. */
 bool find_equilibrium(const struct session *session, const struct dynamics *d,
                       const struct item *number, struct stored_solution *found, struct error *error)
 {
@@ -373,7 +375,8 @@ bool find_equilibrium(const struct session *session, const struct dynamics *d,
     return true;
 }
 
-/* Finds an orbit by its number; NULL stands for the latest. */
+/* Finds an orbit by its number; NULL stands for the latest. Sets found->orbit, solution and scene,
+ * with the parameters of the orbit. Returns false with *error if there is none. */
 bool find_orbit(const struct session *session, const struct dynamics *d, const struct item *number,
                 struct stored_solution *found, struct error *error)
 {
@@ -390,7 +393,8 @@ bool find_orbit(const struct session *session, const struct dynamics *d, const s
     return true;
 }
 
-/* Suggests a label that is spelled alike if there is none. */
+/* Finds a special point by its label, such as "HB1"; sets found->point, branch, solution and scene.
+ * If there is none, returns false with *error, which suggests a label that is spelled alike. */
 bool find_label(const struct session *session, const struct dynamics *d, struct text label,
                 struct stored_solution *found, struct error *error)
 {
@@ -429,9 +433,8 @@ static void put_changes(const struct scene *previous, const struct scene *now,
                           SHOWN_QUANTITY(now->value[i], param_at(now, i)->quantity, 9));
 }
 
-/* Executes `use` with a label of a special point, an orbit or an equilibrium: sets the scene's
- * parameters and start to those of the stored solution, and replies with those that have changed.
- * Returns false with *error if there is no such solution. */
+/* Handles "use" of a stored solution: takes its parameters and its state, as the start, into the
+ * scene, and tells which have changed. */
 bool use_stored_solution(HANDLER_PARAMETERS)
 {
     const struct argument_value *label = argument_value(args, "N|LABEL"),

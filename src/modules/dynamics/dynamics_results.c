@@ -87,8 +87,8 @@ void dynamics_free(struct dynamics *dynamics)
     free(dynamics);
 }
 
-/* Returns the results of the present equations, empty at first; frees those of other equations.
- * Returns NULL if out of memory. */
+/* Returns the results of the present equations, empty at first. Those of other equations are freed,
+ * but identifiers continue, so that none is used twice in a file. Returns NULL if out of memory. */
 static struct dynamics *dynamics_for(struct session *session)
 {
     struct dynamics_part *part = session_part(session, &dynamics_module);
@@ -269,8 +269,9 @@ static int known_number(const struct dynamics *dynamics, const struct stored_bra
     return 0;
 }
 
-/* Fills branch->special with the special points and their labels. Returns false if out of
- * memory. */
+/* Fills branch->special with the special points and their numbers, from which labels such as "HB1"
+ * are made: a point that an earlier branch has found keeps its number, others get the next one of
+ * their kind. Returns false if out of memory. */
 static bool label_points(struct dynamics *dynamics, struct stored_branch *branch)
 {
     int count = 0;

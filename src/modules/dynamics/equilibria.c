@@ -137,7 +137,8 @@ static void put_vector(struct buffer *output, const struct equilibrium_form *for
     }
 }
 
-/* Appends index, eigenvalues and eigenvectors of each equilibrium. */
+/* Appends index, eigenvalues and eigenvectors of each equilibrium. Of two conjugate eigenvalues one
+ * line is written, with +-. */
 static void put_vectors(struct buffer *output, const struct system *system,
                         const struct equilibria *found)
 {
@@ -252,8 +253,8 @@ static bool read_sides(struct session *session, const struct arguments *args,
     return true;
 }
 
-/* Binds the scene. If its own start has no derivatives, a start inside the requested region is
- * used. Returns false with *error. */
+/* Binds *scene to *system. If its own start has no derivatives, a start inside the region that the
+ * arguments request is used. Returns false with *error, with a hint if no region was requested. */
 static bool bind_in_box(struct session *session, const struct arguments *args, struct scene *scene,
                         struct system *system, struct error *error)
 {

@@ -179,8 +179,9 @@ static bool is_known(const struct branch_walk *w, const struct found_special *f)
     return false;
 }
 
-/* Compares the number of growing eigenvalues with what the located points explain, and searches the
- * chord if they differ. */
+/* Compares the number of growing eigenvalues at `next` (that of `solution`) with the last sure one
+ * and with what the located points, found [*count], explain. If more have changed, the chord is
+ * searched, and the points found there, except known ones, replace all of found. */
 void specials_unseen(struct branch_walk *w, const struct curve_place *next,
                      const struct solution *solution, struct found_special *found, int *count)
 {

@@ -440,7 +440,9 @@ static void special_walk_follow(struct special_walk *w, struct curve_place point
     }
 }
 
-/* Follows the curve of special points in both directions from r->leave. */
+/* Follows the curve of special points from r->leave in both directions, or only in the growing one
+ * if r->forward; the falling side is put in front. If a side cannot begin, what the other has found
+ * is returned. Returns false with *error if nothing was found. */
 bool special_follow(const struct branch_request *r, struct branch *branch, struct error *error)
 {
     const int64_t start_time = clock_ns();

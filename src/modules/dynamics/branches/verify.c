@@ -401,7 +401,8 @@ static double side_distance_at_fold(const struct branch_request *r, const struct
 }
 
 /* Verifies all special points of a branch but its ends, each at distances that others do not
- * disturb. */
+ * disturb, and sets their `verified`. Curves of special points in two parameters are left as they
+ * are. Progress continues from FOLLOWING_TIME_FRACTION to 1. */
 void branch_verify(const struct branch_request *r, struct branch *branch)
 {
     const int64_t start_time = clock_ns();

@@ -17,8 +17,8 @@ static void include(double range[2], double value)
     range[1] = fmax(range[1], value);
 }
 
-/* Extends -size to size of each variable by the scene's start and the rows of its run, then by a
- * margin. */
+/* The range from -size to size of each variable is extended by the scene's start and the rows of
+ * its run, then by a margin on both sides. Angles get a full turn, -pi to pi. */
 bool dynamics_search_box(const struct session *session, const struct system *system,
                          struct arena *arena, double box[][2], struct error *error)
 {
