@@ -43,11 +43,11 @@ static double factor_of(const struct windows *w, double lag)
     return fmax(1, w->square / w->expected * left * autocorrelation_factor(w->product / w->square));
 }
 
-/* Computes by which factors the uncertainties of amplitude and phase must be widened, since slow
- * changes of both (sway) correlate the residuals. The residuals' components in phase with the
- * motion and in quadrature (with its velocity) are summed in windows of two periods; their scatter
- * beyond that of independent residuals gives factors->amplitude and factors->phase. Returns false
- * if the motion cannot be computed or if cancelled. */
+/* Computes the factors by which slow changes of amplitude and phase (sway), which correlate the
+ * residuals, increase the variances of rates (factors->amplitude) and of the frequency
+ * (factors->phase). The residuals' components in phase with the motion and in quadrature (with its
+ * velocity) are summed in windows of two periods; their scatter beyond that of independent
+ * residuals gives the factors. Returns false if the motion cannot be computed or if cancelled. */
 bool drag_factors(const struct drag_fitting *f, const struct law_fit *fit,
                   struct drag_factors *factors)
 {
