@@ -23,7 +23,7 @@ struct unit;
 struct column {
     /* Name as in the file, without control characters: "distance", "Dist Error". */
     char name[LIMIT_NAME + 1];
-    char unit[16]; /* Unit as in the file, "" if it gives none. */
+    char unit[16]; /* Unit as in the file, "" if the file gives none. */
     /* Quantity of the values. With QUANTITY_OTHER the unit is unknown and values are not converted.
      */
     enum quantity quantity;
@@ -77,10 +77,10 @@ struct recording_run {
 
 /* A recording. Rows that could not be used are dropped; times increase. */
 struct recording {
-    char name[LIMIT_NAME + 1]; /* Name by which users call it. */
+    char name[LIMIT_NAME + 1]; /* Name of the recording in commands. */
     /* Path of the file; the arena's. */
     char *path;
-    char format[32];       /* Name of the format that read it. */
+    char format[32];       /* Name of the format by which the file was read. */
     const char *container; /* Container of the file ("zip", "xlsx", …), or NULL for plain text. */
     /* bytes_sum() of the file, or 0 if the file has more than SUMMED_BYTES bytes. */
     uint64_t sum;
@@ -128,7 +128,7 @@ struct recording {
     uint32_t *line; /* [rows] line of the file, counted from 1; owned */
     /* Facts about the collection from a sensor; NULL for a recording of another origin. */
     const struct collected *collected;
-    struct calibration calibration; /* Calibration that was applied to its values. */
+    struct calibration calibration; /* Calibration that was applied to the values. */
     const struct cancel *cancel; /* Flag that stops computations with the recording; may be NULL. */
     /* Owner of all memory except the arrays of rows: column[].value, t, y, line. */
     struct arena arena;

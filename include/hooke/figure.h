@@ -179,7 +179,7 @@ struct curve {
     /* Number, from 1, of the curve whose colour and shape this curve shares, or 0 if it has its
      * own. */
     int look;
-    int panel; /* Panel in which it is drawn: 0, or 1 if the figure has a second panel. */
+    int panel; /* Panel in which the curve is drawn: 0, or 1 if the figure has a second panel. */
     /* The samples are a selection that looks like all samples, so that counts of them (such as of
      * hidden ones) mean nothing. */
     bool thinned;
@@ -190,7 +190,7 @@ struct curve {
     /* [n] half the length of each point's error bar, NAN for none; NULL draws none. Error
      * bars are drawn only in pictures. */
     const double *bar;
-    const struct cancel *cancel; /* Flag that stops loops over its samples; may be NULL. */
+    const struct cancel *cancel; /* Flag that stops loops over the samples; may be NULL. */
 };
 
 /* A thin grey line between two points, or a grey area with two opposite corners at them, drawn
@@ -290,8 +290,8 @@ struct scale {
      * of value * unit. */
     double unit, origin, gain;
 };
-/* Returns the fraction of a value: 0 at first_value, 1 at last_value, limited to +-1e6; NAN if it
- * cannot be shown. */
+/* Returns the fraction of a value: 0 at first_value, 1 at last_value, limited to +-1e6; NAN if the
+ * value cannot be shown. */
 double scale_fraction(const struct scale *scale, double value);
 
 /* Layout that figure_draw() uses in a rectangle, for cursors and for callers that keep ranges and

@@ -132,7 +132,7 @@ enum command_flag {
     COMMAND_EQUATES = 128,
     /* The one command that executes NAME' = EXPR during a run: the variable jumps to the value. */
     COMMAND_JUMPS = 256,
-    COMMAND_TABLES = 512, /* Its result is a table, which `> FILE` writes. */
+    COMMAND_TABLES = 512, /* The result is a table, which `> FILE` writes. */
     /* Allowed in a saved session, as are commands that undo takes back. */
     COMMAND_RESTORES = 1024,
     COMMAND_BESIDE = 2048, /* Allowed while a recording is collected. */
@@ -161,11 +161,11 @@ struct arguments;
 /* A command: a row of command_catalog. */
 struct command {
     struct row row;       /* Name, no unit, description, no source, aliases. */
-    const char *group;    /* Heading under which help lists it: "SCENE", "RUN", … */
+    const char *group;    /* Heading under which help lists the command: "SCENE", "RUN", … */
     const char *text;     /* Text for help. */
     const char *examples; /* Two lines of examples. */
     const char *see;      /* Names of related commands, separated by blanks. */
-    /* [arguments] its arguments. */
+    /* [arguments] descriptions of the arguments. */
     const struct argument *argument;
     int arguments;  /* Number of arguments. */
     unsigned flags; /* Flags of enum command_flag. */
@@ -198,7 +198,7 @@ struct item {
     struct text text;        /* Text as typed, without quotes and escapes. */
     struct measured value;   /* Value [SI]; the uncertainty is 0 unless it was typed. */
     const struct unit *unit; /* Unit as typed, or NULL. */
-    /* Quantity of the value if it follows from its unit or a single name, else QUANTITY_OTHER. */
+    /* Quantity of the value, if the unit or a single name determines it; else QUANTITY_OTHER. */
     enum quantity quantity;
     bool is_string;        /* The text was quoted. */
     double range[2];       /* Ends of a range [SI], NAN if open. */

@@ -220,8 +220,8 @@ void method_end(const struct method *method, struct step *step);
 bool method_meets_switches(const struct method *method, const struct system *system);
 /* Returns true if steps of this method end at turning points (v = 0) of this system. A step across
  * a kink of a force at v = 0 loses its order; methods above order 2 that may change their step
- * therefore end a step at the kink, unless system->steps_across_kinks. method_adapt() ends its
- * steps there; fixed steps are split by method_turning_step(). */
+ * therefore end a step at the kink, unless steps_across_kinks of the system is set. method_adapt()
+ * ends its steps there; fixed steps are split by method_turning_step(). */
 bool method_turns(const struct method *method, const struct system *system);
 /* Takes one step. On STEP_OK y is the state at t + h, and t has advanced; otherwise y and t are
  * unchanged, bit for bit. Never allocates. */

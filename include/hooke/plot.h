@@ -102,7 +102,8 @@ struct plot_row {
     /* Label of the magnitude on a logarithmic axis, or NULL if the values do not have both signs.
      */
     const char *log_label;
-    /* Title of the figure, and label of the vertical axis in a pane (NULL for its usual one). */
+    /* Title of the figure, and label of the vertical axis in a pane (NULL for the
+     * usual label). */
     const char *title, *pane_label;
     /* Returns true if the plot makes sense for the model; NULL accepts any model. */
     bool (*fits)(const struct model *model);
@@ -223,7 +224,7 @@ struct figure_side {
 
 /* A peak of a spectrum that was drawn, also called a line. */
 struct figure_peak {
-    const char *label; /* Label of its curve. */
+    const char *label; /* Label of the curve. */
     struct spectrum_peak line;
     enum quantity quantity; /* Quantity of the amplitude. */
 };
@@ -308,7 +309,7 @@ struct cursor_reading {
     struct measured period;    /* [s] */
     struct measured frequency; /* [Hz] */
     double theory;             /* [s] period of the scene, with its linear damping */
-    const char *theory_name;   /* Its name: T0 or T_d for an oscillator, else period. */
+    const char *theory_name;   /* Name of this period: T0 or T_d for an oscillator, else period. */
     double deviation;          /* (period - theory)/theory */
     /* Logarithmic decrement from the amplitudes at A and B, and Q = pi/decrement. */
     double decrement, quality;

@@ -113,10 +113,10 @@ void plan_describe(const struct scene *scene, const struct system *system,
 
 /* Reason why a run stopped. */
 enum stop {
-    STOP_NONE,      /* It has not stopped: it can continue. */
-    STOP_END,       /* It reached the requested time. */
+    STOP_NONE,      /* The run has not stopped and can continue. */
+    STOP_END,       /* The run reached the requested time. */
     STOP_CONDITION, /* The condition of `until` became true. */
-    STOP_DIVERGED,  /* The state is not finite, or its amplitude is above 1e150. */
+    STOP_DIVERGED,  /* The state is not finite, or a variable is above run_bound(). */
     STOP_CANCELLED,
     STOP_NO_SOLUTION, /* An implicit equation was not solved. */
     STOP_STALLED,     /* An adaptive step would be below the rounding of t. */
@@ -207,7 +207,7 @@ struct opinion {
 /* A run. Callers read it; only its functions change it, except `number`, `name`, `cancel` and the
  * warned_… flags. */
 struct run {
-    int number; /* Number by which users call it, from 1. */
+    int number; /* Number of the run in commands, from 1. */
     char name[LIMIT_NAME + 1];
     struct scene scene; /* The scene at the start. */
     /* The system that is integrated at present. */
@@ -289,7 +289,7 @@ bool event_compile(struct text text, const struct expr_scope *scope, struct aren
 struct event_record {
     int event;     /* Index of the event in run_target.event. */
     int direction; /* 1 for rising, -1 for falling, 0 for touching */
-    int64_t step;  /* Number of steps of the run, including the one in which it happened. */
+    int64_t step;  /* Number of steps of the run, including the step with the event. */
     double t;      /* Time [s] of the event. */
 };
 
@@ -379,8 +379,9 @@ struct singularity system_singularity(const struct system *system, double t, con
                                       double end, const struct cancel *cancel);
 /* Returns "goes to infinity" or "gets an infinite slope", to follow the words "the solution". */
 const char *singularity_text(const struct singularity *singularity);
-/* Determines whether a run has failed because its solution ends there, or has stepped over such an
- * end; then sets run->stop to STOP_SINGULAR. Examines the rows since the last call. */
+/* Determines whether the exact solution of a run ends at the time at which the run failed, or at an
+ * earlier time over which the run has stepped; then sets run->stop to STOP_SINGULAR. Examines the
+ * rows since the last call. */
 void run_diagnose(struct run *run);
 /* Appends the reason why the run stopped, as a sentence for the user, such as "diverged at t =
  * 12.31 s (step 18): dt = 0.7 s is above …; try dt <= 0.06 s". */

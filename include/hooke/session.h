@@ -101,7 +101,7 @@ struct recording_slot {
     /* Content of the recording's file, if the file may have been deleted; empty if saving can read
      * the file again. */
     struct buffer content;
-    size_t statement; /* Number of the statement that loaded it, from 1. */
+    size_t statement; /* Number of the statement that loaded the recording, from 1. */
     /* The recording is being collected from a sensor. Its file remains, so that `content` is not
      * needed. */
     bool growing;
@@ -121,10 +121,10 @@ struct measurement {
     struct exact_names exact;     /* Values that were taken as exact. */
     struct measured value;        /* The result [SI]. */
     enum quantity unit;           /* Physical quantity of `value`. */
-    double periods;               /* Number of periods that were used; NAN if it does not apply. */
-    double t;                     /* Time [s] of an amplitude; else NAN. */
+    double periods;               /* Number of periods that were used, NAN if none were. */
+    double t;                     /* Time [s] to which an amplitude belongs; else NAN. */
     bool energy;                  /* The series of the energy was measured, not the position. */
-    size_t statement;             /* Number of the statement that made it, from 1. */
+    size_t statement;             /* Number of the statement that measured, from 1. */
     char source[LIMIT_NAME + 16]; /* The object measured, such as "run 1" or "data swing3". */
 };
 

@@ -22,7 +22,7 @@ struct row;
 /* Parameters of a handler, see struct command. */
 #define HANDLER_PARAMETERS                                                                         \
     struct session *session, const struct arguments *args, struct reply *reply, struct error *error
-/* Begins the definition of the handler of a command. It returns false with `error` set. */
+/* Begins the definition of the handler of a command, which returns false with `error` set. */
 #define HANDLER(name)                                                                              \
     bool command_##name(HANDLER_PARAMETERS);                                                       \
     bool command_##name(HANDLER_PARAMETERS)

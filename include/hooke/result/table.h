@@ -36,7 +36,7 @@ struct table {
     const struct table_column *column;
     int columns;
     size_t rows;
-    const struct cancel *cancel; /* Flag that stops writing it, or NULL. */
+    const struct cancel *cancel; /* Flag that stops writing the table, or NULL. */
     int digits; /* Significant digits of numbers other than integers in documents; 0 shows all. */
 };
 
