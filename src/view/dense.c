@@ -5,8 +5,9 @@
 
 #define DENSE_SAMPLES 2 /* Samples per column from which a curve is dense. */
 
-/* Returns a copy of a curve of points as a line, with a gap (NAN) wherever a column of the plot or
- * more has no sample. Returns NULL if out of memory. */
+/* Returns a copy of a curve of points as a line, with a gap (NAN) wherever two samples are farther
+ * apart in time than a column of the plot is wide. The copy is the arena's; NULL if out of
+ * memory. */
 static const struct curve *curve_with_gaps(struct arena *arena, const struct curve *source,
                                            int columns)
 {

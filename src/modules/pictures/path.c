@@ -112,8 +112,8 @@ static void thinning_draw_to(struct path_thinning *thinning, double x, double y)
 
 /* ---- samples to lines ---- */
 
-/* Narrows [*begin, *end] to those s where low <= point + s * way <= high, for one coordinate of a
- * line; an empty range has *begin > *end. */
+/* Clips a line, in one coordinate that goes from `point` at s = 0 to point + way at s = 1, to
+ * [low, high]: narrows [*begin, *end] to the s of the part inside; *begin > *end means none. */
 static void line_part_clip(double point, double way, double low, double high, double *begin,
                            double *end)
 {

@@ -166,8 +166,8 @@ static bool explain_state(const struct run *run, struct buffer *text)
     return false;
 }
 
-/* Returns the advice against rates that are too fast for the step. An implicit method would damp a
- * fast oscillation, so for an oscillator it is the exact method. */
+/* Returns which method to try if the scene's rates are too fast for the step: the exact one for an
+ * oscillator that swings, since implicit methods would damp it, else an implicit one. */
 static const char *remedy_for_rate(const struct run *run)
 {
     const struct oscillator *o = &run->system.oscillator;

@@ -43,8 +43,9 @@ struct motion_path {
     struct jet name[TYPED_NAMES_MAX], centre[TYPED_NAMES_MAX];
 };
 
-/* Makes the path Hermite's cubic, with the derivatives at the ends, or a straight line where these
- * say little about what is between. */
+/* Sets the coefficients of the path of each variable: Hermite's cubic through both states with the
+ * derivatives there, or a straight line if one of these is so large that the cubic would swing far
+ * out between the states (SMOOTH_SLOPE_MAX). */
 static void path_bend(const struct system *system, struct motion_path *path)
 {
     const double h = path->t[1] - path->t[0];
@@ -146,19 +147,22 @@ static double row_value(const struct motion_path *path, int row, double fraction
     return isfinite(value) ? value : NAN;
 }
 
+/* Returns the largest magnitude of a number in the interval. */
 static double interval_magnitude_max(struct interval a)
 {
     return fmax(fabs(a.lo), fabs(a.hi));
 }
 
-/* Change that may hide between samples of an interval, and change that they show. */
+/* Change of a derivative in an interval, in its unit: that which bounds of it allow (hidden), and
+ * that which samples of it show (seen). */
 struct interval_change {
     double hidden, seen;
 };
 
-/* Compares bounds of a derivative on [a, b] with samples of it: either as deviations from a
- * straight line or as a range, whichever bounds are tighter. Both are 0 where there is no number or
- * only rounding. */
+/* Compares the bounds of equation `row` on the part [a, b] of the path with INTERVAL_SAMPLES - 1
+ * samples of it: as deviations from the straight line between its ends or as a range, whichever
+ * bound is tighter. Both members are 0 where it is not a finite number or changes by rounding
+ * only. */
 static struct interval_change interval_compare(struct motion_path *path, int row, double a,
                                                double b)
 {
@@ -184,10 +188,10 @@ static struct interval_change interval_compare(struct motion_path *path, int row
                         : (struct interval_change){width, high - low};
 }
 
-/* Returns true if the samples in [a, b] differ from what the surroundings predict. A smooth force
- * whose second derivative changes sign there also shows only a small part of its bounds; but its
- * samples agree with the polynomial through points on either side (Lagrange), so that it is no
- * burst. */
+/* Returns true if the samples of equation `row` in [a, b] differ from Lagrange's polynomial through
+ * points outside by more than 1/BOUND_SLACK_FACTOR of `seen`, the change that they show. A smooth
+ * force whose second derivative changes sign in [a, b] also stays far below its bounds, but agrees
+ * with the polynomial, and is thus told from a burst. */
 static bool stands_out(const struct motion_path *path, int row, double a, double b, double seen)
 {
     enum { POINTS = 6 };
@@ -217,8 +221,8 @@ static bool stands_out(const struct motion_path *path, int row, double a, double
     return deviation * BOUND_SLACK_FACTOR > seen;
 }
 
-/* Appends [a, b], as times, to the bursts, or joins it with one that it touches. Returns their
- * number. */
+/* Appends the part [a, b] of the path, as times [s], to burst [max], or joins it with one that it
+ * touches; drops it if the array is full. Returns the new number of bursts. */
 static int burst_append(const struct motion_path *path, double a, double b, struct burst *burst,
                         int count, int max)
 {
@@ -238,9 +242,11 @@ static int burst_append(const struct motion_path *path, double a, double b, stru
     return count;
 }
 
-/* Searches the whole path for bursts of one derivative, by halving intervals. `size` is that of its
- * variable; *allowed counts down the intervals examined. Returns the number of bursts, at most
- * `max`. */
+/* Searches the path for bursts of equation `row`, by halving intervals in which more than
+ * HIDDEN_MOTION_MAX of `size`, the size of the variable [SI], can hide. With `sure`, only intervals
+ * that stand out of the motion around them count, and the ends of the path are left out. *allowed
+ * is reduced by each interval examined, and 0 ends the search. Returns the new number of bursts in
+ * burst [max], of which there were `count` before. */
 static int row_search(struct motion_path *path, int row, double size, bool sure, int64_t *allowed,
                       struct burst *burst, int count, int max)
 {

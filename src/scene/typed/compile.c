@@ -266,7 +266,9 @@ static bool row_sum(struct compile *c, int row, const struct expr **whole)
     return true;
 }
 
-/* Sorts the sums of all rows into groups. Returns false with an error. */
+/* Splits the right-hand side of each equation into sums of summands that depend on the same things
+ * (enum typed_group), and stores them in typed->group. depends [names] tells what each name depends
+ * on. Returns false with an error. */
 static bool group_rows(struct compile *c, const unsigned *depends)
 {
     struct typed *typed = c->typed;
@@ -329,7 +331,8 @@ static bool make_tables(struct compile *c)
     return true;
 }
 
-/* Makes the model, after all expressions were read. Returns false with an error. */
+/* Makes the model from the expressions that were read: a copy of the built-in one that was extended
+ * (typed->base) or a new one, with its parameters and terms. Returns false with an error. */
 static bool make_model(struct compile *c)
 {
     struct typed *typed = c->typed;

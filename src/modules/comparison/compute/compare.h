@@ -46,7 +46,7 @@ struct reference {
      * none */
     double shortest;
     double bound; /* [s] longest step of all methods but the first */
-    bool again;   /* computed again in shorter steps, because finer runs disagreed with it */
+    bool again;   /* computed by references_again(), because runs with finer steps disagreed */
     /* Two methods whose finest runs agree with each other and not with the reference, which is then
      * doubtful, or NULL. */
     const struct method *dissenting_method[2];

@@ -135,8 +135,9 @@ static bool is_search_spent(const struct orbit_search *s)
     return s->field.evals > SEARCH_EVALUATIONS_MAX || s->tries >= ALL_TRIES;
 }
 
-/* Tries the returns that come near enough, the earliest first. Returns true if an orbit was found
- * or if cancelled. */
+/* Tries to close an orbit from each return that is at most distance_max (a fraction of the motion's
+ * extent) from the start and not far behind the nearest one, the earliest first. Returns true if a
+ * wanted orbit was found (try_orbit()) or if cancelled. */
 static bool try_returns(struct orbit_search *s, const struct returns *r, double distance_max)
 {
     double best = HUGE_VAL;

@@ -7,6 +7,7 @@
 
 #include <string.h>
 
+/* Creates the runs of long replays, one for each lane with a point. */
 void replay_begin(struct sweep_worker *worker)
 {
     for (int lane = 0; lane < worker->used && worker->job->in_pieces; lane++)
@@ -69,6 +70,7 @@ void replay_lane(struct sweep_worker *worker, int lane, int64_t evals)
     worker->side_by_side += run != NULL;
 }
 
+/* Destroys runs of lanes that have not come to their end, as after a cancellation. */
 void replay_end(struct sweep_worker *worker)
 {
     for (int lane = 0; lane < LANE_COUNT; lane++)

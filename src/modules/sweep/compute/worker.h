@@ -69,8 +69,8 @@ enum {
 struct sweep_job {
     const struct sweep_request *request;
     struct sweep *sweep;
-    bool watches;  /* some measure is watched during the run */
-    bool tops;     /* some measure is watched from the start, not only in the window */
+    bool watches;  /* some measure is computed from rows during the run, not from the end */
+    bool tops;     /* some is a maximum or minimum, for which all rows count, not only the window */
     bool means;    /* some measure is a mean */
     bool in_lanes; /* points can run in lanes, as far as that does not depend on the point */
     bool adapts;   /* steps are adaptive */
