@@ -32,6 +32,7 @@ struct script {
      * also covers the further ones. */
     struct source_piece piece[64];
     int pieces;   /* Number of elements of `piece`. */
+    size_t first; /* Value of session->history.count at the start. */
     int commands; /* Value of session->history.done at the start, to count the script's commands. */
     bool ok,      /* All commands have succeeded so far. */
         stopped;  /* An error or a paused run has ended the script. */

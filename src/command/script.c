@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* Scripts: joins lines that end in a backslash, counts lines, stops at the first error; and files
  * that source other files. */
+#define _GNU_SOURCE /* memmem */
 #include <hooke/base/file.h>
 #include <hooke/base/safe_text.h>
 #include <hooke/command/handler.h>
+#include <hooke/session/log.h>
 
 #include <string.h>
 #include <unistd.h>
@@ -11,8 +13,10 @@
 void script_begin(struct script *script, struct session *session, const char *name,
                   const struct source *parent)
 {
-    *script = (struct script){
-        .where = {.name = name, .parent = parent}, .commands = session->history.done, .ok = true};
+    *script = (struct script){.where = {.name = name, .parent = parent},
+                              .first = session->history.count,
+                              .commands = session->history.done,
+                              .ok = true};
 }
 
 /* Executes a joined line and decides if the script stops. */
@@ -86,6 +90,25 @@ static void put_runs_left(const struct session *session, struct buffer *text)
                       session->runs.slot[session->runs.count - 1]->run->number);
 }
 
+/* Notes that the script has set the frequency of a drive and left the drive off: the frequency of a
+ * spring was probably meant. Scripts may set the force after the frequency. */
+static void note_idle_drive(const struct script *script, const struct session *session,
+                            struct reply *reply)
+{
+    const struct scene *scene = &session->setup.scene;
+    const int omega = scene_param(scene, "omega"), force = scene_param(scene, "F0");
+    if (scene->model != &oscillator_model || omega < 0 || force < 0 || scene->value[force] != 0)
+        return;
+    const size_t origin = session->setup.origin[omega];
+    if (origin <= script->first || origin <= session->history.first)
+        return;
+    /* undo changes the value, too, but does not name it */
+    const struct text typed = history_text(session, history_entry(session, origin - 1));
+    if (memmem(typed.data, typed.len, "omega", 5))
+        reply_note(reply, "  (omega is the frequency of the drive, which is off: F0 = 0; for a "
+                          "spring with this frequency type: omega0 = VALUE)");
+}
+
 /* Executes what is pending and, for the outermost script, tells where it stopped. Returns true if
  * every command succeeded. */
 bool script_end(struct script *script, struct session *session, struct reply *reply)
@@ -108,6 +131,8 @@ bool script_end(struct script *script, struct session *session, struct reply *re
         buffer_free(&saved);
         buffer_free(&name);
     }
+    if (!script->stopped && outermost)
+        note_idle_drive(script, session, reply);
     return script->ok;
 }
 

@@ -198,8 +198,7 @@ static bool bind_param(struct session *session, int param, const struct scene *p
     return false;
 }
 
-/* Notes a value that was probably meant otherwise: far from the usual, or of a drive that is
- * off. */
+/* Notes a value that is far from the usual one and was probably meant in another unit. */
 static void note_slip(const struct session *session, int param, const struct item *item,
                       struct reply *reply)
 {
@@ -208,7 +207,6 @@ static void note_slip(const struct session *session, int param, const struct ite
     const struct param_row *row = param_at(scene, param);
     const struct preset *preset = scene->preset;
     const bool bare = strspn(item->text.data, "0123456789.eE+-") >= item->text.len;
-    const int force = scene_param(scene, "F0");
     double usual = row->initial, meant = 0;
     if (session->execution.reacting || session->execution.restoring || scene->model->typed)
         return;
@@ -228,10 +226,6 @@ static void note_slip(const struct session *session, int param, const struct ite
                    SHOWN_QUANTITY(usual, row->quantity, 6), buffer_view(&text));
         buffer_free(&text);
     }
-    if (scene->model == &oscillator_model && strcmp(row->row.name, "omega") == 0 && force >= 0 &&
-        scene->value[force] == 0)
-        reply_note(reply, "  (the frequency of the drive, which is off: F0 = 0; for a spring with "
-                          "this frequency type: omega0 = VALUE)");
 }
 
 /* Sets a parameter and replies with it. Returns false with the error set. */

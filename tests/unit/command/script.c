@@ -73,6 +73,35 @@ TEST(an_error_has_its_place_in_the_file)
     }
 }
 
+/* The note on a drive that is off comes at the end, and only if the drive is still off. */
+TEST(a_script_may_set_the_frequency_before_the_force)
+{
+    static const struct {
+        const char *script;
+        int notes;
+    } cases[] = {
+        {"scene spring\nomega = 9.06\n", 1},
+        {"scene spring\nomega = 9\nomega = 10\nF0 = 1 mN\n", 0},
+        {"scene spring\nomega = 9; F0 = 1 mN\n", 0},
+        {"scene spring\nF0 = 1 mN\nomega = 9\nF0 = 0\n", 1},
+        {"scene spring\nomega = 9\nundo\n", 0},
+        {"scene spring\nk = 20 N/m\n", 0},
+        {"scene driven\nomega = 9\n", 0},
+    };
+    (void)state;
+    for (size_t i = 0; i < COUNT_OF(cases); i++) {
+        struct bench b;
+        int notes = 0;
+        bench_open(&b, false);
+        assert_true(run_script(&b, "s.hk", cases[i].script, strlen(cases[i].script)));
+        for (const char *s = said(&b.err); (s = strstr(s, "drive, which is off")); s++)
+            notes++;
+        if (notes != cases[i].notes)
+            fail_msg("%s: %d notes", cases[i].script, notes);
+        bench_close(&b);
+    }
+}
+
 /* One line that was typed needs no word about where it stopped. */
 TEST(a_typed_line_just_fails)
 {
