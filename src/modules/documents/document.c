@@ -78,7 +78,8 @@ static void put_many(struct buffer *output, char c, size_t count)
 
 /* ---- the document ---- */
 
-/* Writes the beginning of the three files, with the title. */
+/* Writes the beginning of the three formats (Markdown, HTML, LaTeX), with the title, which is
+ * escaped. */
 void document_begin(struct document *document, const char *title)
 {
     buffer_put(
@@ -106,7 +107,9 @@ void document_free(struct document *document)
     buffer_free(&document->tex);
 }
 
-/* Opens a block; a cell of LaTeX is separated from the one before. */
+/* Opens a block. In LaTeX a cell that is not the first of its row is preceded by "&"; the place
+ * after the opening of a table is noted in document->table, since the columns of a long table are
+ * known only once its heading has been written (document->heads counts them). */
 void document_open(struct document *document, enum block block)
 {
     document->in_table |= block == BLOCK_TABLE;
@@ -258,7 +261,8 @@ void document_figure(struct document *document, const struct document_picture *p
         put_tex_code(&document->tex, picture->text);
 }
 
-/* Writes a block of preformatted text. */
+/* Writes a block of preformatted text. In Markdown the fence has three backticks more than the
+ * longest run of them in the text, so that the text cannot end it. */
 void document_code(struct document *document, struct text code)
 {
     const size_t ticks = longest_run(code, '`') + 3;

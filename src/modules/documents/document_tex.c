@@ -36,8 +36,8 @@ void buffer_latex(struct buffer *output, struct text text)
     buffer_replaced(output, text, signs, COUNT_OF(signs));
 }
 
-/* Appends text escaped for LaTeX; control characters become blanks, letters beyond Latin-1 question
- * marks. */
+/* Appends text (UTF-8) escaped for LaTeX; control characters become blanks, letters beyond Latin-1,
+ * whose first byte is 0xC4 or more, one question mark each. */
 void buffer_tex(struct buffer *output, struct text text)
 {
     struct buffer known = {0};
@@ -59,7 +59,8 @@ void buffer_tex(struct buffer *output, struct text text)
     buffer_free(&known);
 }
 
-/* Appends preformatted text, line by line, with leading blanks kept. */
+/* Appends preformatted text, line by line in a font of equal widths. Leading blanks are kept as "~"
+ * after an empty box, since TeX drops blanks at the start of a line. */
 void put_tex_code(struct buffer *output, struct text code)
 {
     struct text line;
@@ -79,7 +80,8 @@ void put_tex_code(struct buffer *output, struct text code)
 
 /* ---- values ---- */
 
-/* Appends a unit in siunitx: prefix and name, or the text itself if it is unknown. */
+/* Appends a unit in siunitx: prefix and name ("mm" as \\milli\\metre), or the text itself if it is
+ * unknown. Units are compared first, so that "m" is a metre. */
 static void put_unit(struct buffer *output, struct text name)
 {
     static const struct {
@@ -104,7 +106,8 @@ static void put_unit(struct buffer *output, struct text name)
     buffer_char(output, '}');
 }
 
-/* Writes units such as "kg/m^3", which are factors preceded by * or /. */
+/* Writes units such as "kg/m^3": factors separated by * or /. A / divides by the next factor only,
+ * and a 1 (as in "1/s") is left out. Powers are 2 or 3. */
 static void put_units(struct buffer *output, struct text units)
 {
     bool is_denominator = false;
@@ -127,7 +130,8 @@ static void put_units(struct buffer *output, struct text units)
     }
 }
 
-/* Appends "15.100 +- 0.008 N/m" as \\SI{15.100 +- 0.008}{\\newton\\per\\metre}. */
+/* Appends "15.100 +- 0.008 N/m" as \\SI{15.100 +- 0.008}{\\newton\\per\\metre}. The last word is
+ * the unit unless it is a number; then \\num{...} is written. */
 void buffer_siunitx(struct buffer *output, struct text measured)
 {
     size_t end = measured.len; /* end of the number */
@@ -149,7 +153,10 @@ void buffer_siunitx(struct buffer *output, struct text measured)
 
 /* ---- tables ---- */
 
-/* Inserts the beginning of a long table before its heading. Returns false if out of memory. */
+/* Inserts the beginning of a long table at position `begin` of the output, before its heading,
+ * which is all that has been written since and is to be repeated on each page. Tables with 5
+ * columns are those of long texts, which need columns of fixed widths. Returns false if out of
+ * memory. */
 bool begin_longtable(struct buffer *output, size_t begin, int columns)
 {
     struct buffer heading = {0};

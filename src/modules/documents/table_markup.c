@@ -128,7 +128,8 @@ static void put_alignment(struct buffer *output, const struct markup *as, const 
     words_put(output, as->aligned[2]);
 }
 
-/* Appends the names and units of the columns, with the alignment before or behind. */
+/* Appends the names and units of the columns, with the alignment before them if the markup has
+ * words that open a table (as->table), else behind. */
 static void markup_heading_put(struct buffer *output, const struct markup *as,
                                const struct table *table)
 {
@@ -162,7 +163,8 @@ static void put_number(struct buffer *output, const struct markup *as, double va
         as->real(output, value);
 }
 
-/* Appends a row; an unknown number (NAN) is an empty cell. */
+/* Appends row number `row` of the table, columns of numbers and of texts each in their words; an
+ * unknown number (NAN) is an empty cell. */
 static void markup_row_put(struct buffer *output, const struct markup *as,
                            const struct table *table, size_t row)
 {
@@ -204,7 +206,9 @@ static bool choose_columns(const struct table *table, struct arena *arena, struc
     return column != NULL;
 }
 
-/* Writes a table in one markup. Sets output->failed if out of memory or cancelled. */
+/* Writes the chosen columns of a table in one markup, after its keys, and passes the text on in
+ * pieces, so that long tables need little memory. Sets output->failed if out of memory or
+ * cancelled. */
 static void markup_table_put(const struct table *all, const struct markup *as, struct outlet *sink)
 {
     struct buffer *output = sink->text;
