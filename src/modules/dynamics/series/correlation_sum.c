@@ -50,8 +50,9 @@ static double bin_lower_edge(uint64_t cell)
     return x;
 }
 
-/* Counts the distances of vector i from every stride-th other one, in bins from `first` on. The
- * distance is the largest difference of two values, for each number of delays. */
+/* Counts the distances of vector i from every stride-th other one, except those within the Theiler
+ * window, in bins from number `first` on; those outside go to the outermost bins. The distance is
+ * the largest difference of two values; count [k] is for k more delays than the space has. */
 static void count_pairs(const struct delay_space *s, size_t i, size_t stride, uint64_t first,
                         int64_t count[EXTRA_DELAYS + 1][DISTANCE_BINS])
 {
@@ -71,7 +72,9 @@ static void count_pairs(const struct delay_space *s, size_t i, size_t stride, ui
     }
 }
 
-/* Computes the correlation sums of a motion of that size. Returns false if cancelled. */
+/* Computes the correlation sums of a motion of that size (largest minus smallest value): the
+ * logarithm of the number of pairs closer than each edge, or -1 if there are none. Only some
+ * vectors are compared if there are many. Returns false if cancelled. */
 static bool count_all_pairs(const struct delay_space *s, double size, struct pair_counts *sums)
 {
     int64_t count[EXTRA_DELAYS + 1][DISTANCE_BINS] = {{0}};
@@ -146,7 +149,9 @@ static double median_slope(const struct pair_counts *sums, double *error, int *e
     return values_quantile(slope, count, 0.5);
 }
 
-/* Returns true with a reason if the series is too short. */
+/* Fills found->dimension and distance, or the reason why there is none; a series too short for the
+ * delays leaves the reason as it is. `n` is the number of samples. Returns false if out of memory
+ * or cancelled. */
 bool correlation_dimension(const struct delay_space *space, size_t n, struct arena *arena,
                            struct series_exponent *found)
 {

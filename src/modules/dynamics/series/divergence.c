@@ -95,8 +95,9 @@ static void put_means(const struct delay_space *s, const size_t *count, struct d
     d->saturation = fmin(mean_log_distance(s), d->last);
 }
 
-/* Follows about NEIGHBOUR_PAIRS vectors and the nearest neighbour of each, sorted into parts by
- * time. */
+/* Follows about NEIGHBOUR_PAIRS vectors and the nearest neighbour of each for `samples` samples,
+ * sorted by time into DIVERGENCE_PARTS parts, whose scatter later gives the error. d->stride is the
+ * number of samples per step of the curve. Returns false if out of memory or cancelled. */
 bool divergence_find(const struct delay_space *s, size_t samples, struct arena *arena,
                      struct divergence *d)
 {
@@ -139,7 +140,9 @@ static double slope_of(const double *y, size_t first, size_t last)
     return xx > 0 ? xy / xx : NAN;
 }
 
-/* The error of the slope is the scatter of the slopes of successive parts. */
+/* The range of even growth is from step `begin` to the last one before distances come within
+ * SATURATION_LOG_MARGIN of the saturation. The slope is per step; its error is the scatter of the
+ * slopes of successive parts, NAN (as the slope is) if the range is too short. */
 struct even_growth divergence_growth(const struct divergence *d, size_t begin)
 {
     struct even_growth g = {.first = begin, .error = NAN, .slope = NAN, .halves = {NAN, NAN}};

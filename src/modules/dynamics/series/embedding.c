@@ -19,8 +19,9 @@
 
 /* ---- neighbours ---- */
 
-/* Adds vector j to the neighbours of vector i, unless `wanted` ones are nearer, it is at distance
- * 0, or within the Theiler window. */
+/* Adds vector j to the neighbours of vector i, which are sorted by distance, unless `wanted` ones
+ * are nearer, it is at distance 0, or within the Theiler window. The sum of squares is given up
+ * once it is too large. */
 static void consider_neighbour(const struct delay_space *s, size_t i, size_t j, int wanted,
                                struct neighbours *f)
 {
@@ -50,8 +51,8 @@ bool space_sort(struct delay_space *s, size_t n, struct arena *arena)
     return s->order;
 }
 
-/* Searches outwards among the sorted values from that of vector i, until the difference in this
- * value alone is too large. */
+/* Finds up to `wanted` nearest vectors. Searches outwards among the sorted values (s->order) from
+ * that of vector i, until the difference in this value alone is too large. */
 void space_nearest(const struct delay_space *s, size_t i, int wanted, struct neighbours *found)
 {
     const double y = s->y[i];
@@ -78,7 +79,8 @@ void space_nearest(const struct delay_space *s, size_t i, int wanted, struct nei
 
 /* ---- the delay ---- */
 
-/* Assigns values to bins with equal numbers of values. Returns false if out of memory. */
+/* Sets bin[i] to the number, 0 to INFORMATION_BINS - 1, of the bin of y[i], of n values; all bins
+ * hold equal numbers of values. Returns false if out of memory. */
 static bool put_into_bins(const double *y, size_t n, struct arena *arena, unsigned char *bin)
 {
     double *sorted = arena_array(arena, n, sizeof *sorted), edge[INFORMATION_BINS];
@@ -96,7 +98,8 @@ static bool put_into_bins(const double *y, size_t n, struct arena *arena, unsign
     return true;
 }
 
-/* Returns the mutual information [nat] of values that are `lag` samples apart, from their bins. */
+/* Returns the mutual information [nat] of values that are `lag` samples apart, from the bin of each
+ * of the n samples: the mean of ln(p(a, b) / p(a) / p(b)). */
 static double mutual_information(const unsigned char *bin, size_t n, size_t lag)
 {
     int count[INFORMATION_BINS][INFORMATION_BINS] = {{0}}, first[INFORMATION_BINS] = {0},
@@ -124,7 +127,9 @@ static double autocovariance(const double *y, size_t n, double mean, size_t lag)
     return sum / (double)(n - lag);
 }
 
-/* Increases the lag until the information rises again or the correlation has fallen to 1/e. */
+/* Increases the lag [sample] until the information rises again or the correlation has fallen to
+ * 1/e, in the first LOOKED_AT samples, and at most to MOST_DELAY or a twentieth of them. Returns 0
+ * if out of memory or cancelled. */
 int choose_delay(const double *y, size_t n, const struct cancel *cancel, struct arena *arena)
 {
     const size_t looked = n < LOOKED_AT ? n : LOOKED_AT;
@@ -181,7 +186,9 @@ static double false_neighbours(const struct delay_space *s, double sigma)
     return asked > 0 ? (double)wrong / (double)asked : 0;
 }
 
-/* Adds delayed values until less than FALSE_SHARE of the nearest neighbours are false. */
+/* Adds delayed values until less than FALSE_SHARE of the nearest neighbours are false. Returns the
+ * number of values, 0 if none up to SPACE_DIMENSIONS - 2 is enough or there are too few vectors, or
+ * -1 if cancelled. *false_share is that of the last number examined. */
 int choose_dimensions(struct delay_space *s, size_t n, double sigma, double *false_share)
 {
     for (s->dimensions = 1; s->dimensions < SPACE_DIMENSIONS - 1; s->dimensions++) {
@@ -239,7 +246,9 @@ static double linear_error(const struct delay_space *s, size_t ahead, size_t vec
     return sum / (double)count;
 }
 
-/* Compares the root mean square errors of about EXAMINED_VECTORS predictions. */
+/* Returns the root mean square error of about EXAMINED_VECTORS predictions, `ahead` samples ahead,
+ * by the mean of what followed SPACE_NEAREST neighbours, in units of that of the best linear
+ * function; NAN if unknown. n is the number of samples. */
 double prediction_ratio(const struct delay_space *s, size_t n, size_t ahead)
 {
     const size_t vectors = vector_count(n, s, ahead), stride = vectors / EXAMINED_VECTORS + 1,

@@ -60,7 +60,8 @@ static struct part_moments moments_of_part(const double *y, size_t begin, size_t
     return p;
 }
 
-/* Returns true if size and mean of the motion are steady; otherwise stores the reason. */
+/* Returns true if size (standard deviation) and mean of the motion are much the same in
+ * SERIES_PARTS successive parts; otherwise stores the reason. */
 static bool is_steady(const struct samples *x, struct series_exponent *found)
 {
     double low = HUGE_VAL, high = 0, left = HUGE_VAL, right = -HUGE_VAL;
@@ -121,8 +122,9 @@ static bool is_suitable(const struct samples *x, const struct part_moments *mome
 
 /* ---- embedding ---- */
 
-/* Chooses the delay and the dimension, with shorter delays if the first unfolds nothing. Returns
- * false if out of memory, if cancelled, or with the reason set if no number of delays unfolds the
+/* Chooses the delay and the dimension; if the first delay unfolds nothing, half and a quarter of it
+ * are tried. sigma is the standard deviation of the samples. Returns false if out of memory or if
+ * cancelled; found->dimensions is 0, with the reason set, if no number of delays unfolds the
  * motion. */
 static bool choose_embedding(struct delay_space *space, const struct samples *x, double sigma,
                              struct arena *arena, struct series_exponent *found)
@@ -201,7 +203,9 @@ static bool is_not_exponential(const struct divergence *d, const struct even_gro
     return false;
 }
 
-/* Stores the exponent with its error, or why there is none. Returns false if out of memory or
+/* Stores the exponent with its error, or why there is none. The error combines the scatter between
+ * parts of the series, the change with more delays, the difference of both halves of the curve, and
+ * a systematic part. `turn` is the time of one turn [sample]. Returns false if out of memory or
  * cancelled. */
 static bool find_exponent(const struct delay_space *space, const struct samples *x, double turn,
                           struct arena *arena, struct series_exponent *found)
