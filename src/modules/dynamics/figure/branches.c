@@ -76,8 +76,9 @@ static void put_branch_line(struct diagram *g, const struct stored_branch *b, in
     diagram_point_put(g, true, NAN, NAN);
 }
 
-/* Adds a curve for each kind of special point, drawn as a letter and labelled with its points'
- * labels. `count` is at least the number of points. Returns false if out of memory. */
+/* Adds a curve for each kind of special point, drawn as the first letter of the kind and labelled
+ * with its points' labels; a label that is on two branches is drawn once. `count` is at least the
+ * number of points of all kinds. Returns false if out of memory. */
 static bool put_specials(struct drawing *d, const struct diagram *g, int count)
 {
     double *place = arena_array(d->arena, 2 * (size_t)(count * SPECIAL_COUNT) + 1, sizeof *place);
@@ -126,7 +127,9 @@ static bool find_variable(struct drawing *d, int *variable)
                                       (int)name.len, name.data);
 }
 
-/* Makes the figure of all branches over the parameters of the last one. */
+/* Makes the figure of all branches over the parameters of the last one: the values of a variable
+ * over one parameter, or curves of special points in the plane of two. Returns false with
+ * d->error. */
 bool branches_figure(struct drawing *d, struct figure *figure)
 {
     struct diagram g = {.dynamics = session_dynamics(d->session)};

@@ -24,8 +24,9 @@ static bool plane_drawn(const struct session *session, struct plot_plane *plane)
     return true;
 }
 
-/* Moves the point to the next equilibrium to the right, or left if not `forward`, around the region
- * and upwards among those above each other. Returns false with *error if there is none. */
+/* Moves the point {x, y} to the next equilibrium to the right, or left if not `forward`; after the
+ * last one it goes on at the other side of the region. Those above each other are taken upwards
+ * (downwards if not `forward`). Returns false with *error if there is none. */
 static bool next_equilibrium(const struct session *session, const struct plot_plane *plane,
                              bool forward, double point[2], struct error *error)
 {
@@ -55,7 +56,8 @@ static bool next_equilibrium(const struct session *session, const struct plot_pl
     return best >= 0 || error_set(error, ERROR_COMMAND, "there is no equilibrium in this portrait");
 }
 
-/* Returns the index of the equilibrium that the cursor is on, or -1. */
+/* Returns the index of the equilibrium that the cursor is on, closer than on_equilibrium_max of the
+ * region's width and height, or -1. */
 static int equilibrium_at_cursor(const struct session *session, const struct plot_plane *plane)
 {
     const struct equilibria *found = &stored_portrait(session)->portrait.found;

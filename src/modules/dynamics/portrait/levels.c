@@ -140,8 +140,8 @@ static void examine_cells(struct marching *m, const double box[2][2], int cells)
 
 /* ---- lines ---- */
 
-/* Takes the next segment that begins at (x, y), which becomes its other end. Returns NULL if there
- * is none. */
+/* Takes a segment that is not used yet and has an end at (*x, *y), and moves (*x, *y) to its other
+ * end. Returns NULL if there is none. */
 static const struct level_segment *level_segment_next(struct marching *m, double *x, double *y)
 {
     for (size_t i = 0; i < m->segments; i++) {
@@ -157,7 +157,9 @@ static const struct level_segment *level_segment_next(struct marching *m, double
     return NULL;
 }
 
-/* Joins segments with common ends to lines. Returns false if out of memory. */
+/* Joins segments with common ends to lines, which are appended to *line with a gap after each. Each
+ * line begins with an unused segment, is followed from its first end, reversed, and then followed
+ * from its second end. Returns false if out of memory. */
 static bool level_segments_join(struct marching *m, struct polyline *line)
 {
     for (size_t i = 0; i < m->segments; i++) {
@@ -191,7 +193,8 @@ static bool level_segments_join(struct marching *m, struct polyline *line)
     return true;
 }
 
-/* Examines a grid of cells, and joins the segments that are found. */
+/* Examines a grid of CELLS_PER_SIDE x CELLS_PER_SIDE cells, and joins the segments that are found.
+ * Returns false if out of memory. */
 bool level_lines(const struct level_request *request, struct polyline *line)
 {
     struct marching m = {.request = request};

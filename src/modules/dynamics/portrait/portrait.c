@@ -13,7 +13,8 @@
 
 #define ENERGY_LEVELS 5 /* number of lines of equal energy */
 
-/* Doubles the memory of both coordinates when it is full. */
+/* Appends a point; doubles the memory of both coordinates when it is full. Returns false if out of
+ * memory. */
 bool polyline_put(struct polyline *line, double x, double y)
 {
     if (line->n == line->capacity) {
@@ -69,7 +70,8 @@ static double plane_value(const void *context, double x, double y)
     return rate[v->variable];
 }
 
-/* Returns true if the bounds of a rate on a box of the plane contain 0. */
+/* Returns true if the bounds of the rate of a variable (context is a struct plane_value) contain 0
+ * on the box {x, y} by {low, high} of the plane; other variables have the values of the plane. */
 static bool may_be_zero(const void *context, const double box[2][2])
 {
     const struct plane_value *v = context;
@@ -97,8 +99,9 @@ static bool add_level_lines(const struct plane_value *value, struct polyline *li
     return level_lines(&request, line);
 }
 
-/* Appends lines of equal energy between the lowest equilibrium and the highest of 9 x 9 sampled
- * states. Returns false if out of memory. */
+/* Appends ENERGY_LEVELS lines of equal energy between the lowest energy and the highest one of 9 x
+ * 9 sampled states and all equilibria, at values that grow as squares. Returns false if out of
+ * memory. */
 static bool add_energy_lines(struct portrait_work *work, struct polyline *line)
 {
     struct plane_value value = {.work = work, .variable = -1};
@@ -138,7 +141,9 @@ static bool find_equilibria(struct portrait_work *work, struct error *error)
     return equilibria_find(&wanted, &work->portrait->found, error);
 }
 
-/* Computes all lines. Returns false if out of memory. */
+/* Computes all lines: nullclines, separatrices (of scenes that do not depend on time) and, if
+ * requested and the plane is all of the state, lines of equal energy. Returns false if out of
+ * memory. */
 static bool portrait_draw(struct portrait_work *work)
 {
     const struct portrait_request *request = work->request;

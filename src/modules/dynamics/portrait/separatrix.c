@@ -125,7 +125,8 @@ static void record_crossing(struct plane_walk *w, const double *previous, double
 }
 
 /* Records crossings with the lines variable = value through all equilibria, and through 0, between
- * the previous state and the present one, `span` [s] later. */
+ * the previous state and the present one, `span` [s] later. Values that are the same but for
+ * rounding count once; a walk that begins on such a line does not cross it there. */
 static void look_for_crossings(struct plane_walk *w, const double *previous, double span)
 {
     const struct equilibria *found = &w->work->portrait->found;
@@ -153,7 +154,9 @@ static void look_for_crossings(struct plane_walk *w, const double *previous, dou
  * of memory. */
 enum walk_end { WALK_ON, WALK_FRAME, WALK_REST, WALK_MEMORY };
 
-/* Follows the trajectory for `span` [s] and appends the point there. */
+/* Follows the trajectory for `span` [s], negative if backwards, and appends the point there, after
+ * a gap if an angle has passed the end of its range. Equilibrium number `except` (-1 for none),
+ * which the walk has not left yet, does not end it. Returns whether and why the walk ends. */
 static enum walk_end walk_advance(struct plane_walk *w, double span, int except)
 {
     double previous[LIMIT_VARIABLES];
@@ -236,7 +239,8 @@ static bool follow_separatrix(struct portrait_work *work, int e, int value, int 
     return end != WALK_MEMORY && polyline_gap(w.line);
 }
 
-/* Only real eigenvalues that are the only growing or the only decaying one have a separatrix. */
+/* Only real eigenvalues of saddles that are the only growing or the only decaying one have a
+ * separatrix; it has two sides. Returns false if out of memory. */
 bool portrait_separatrices(struct portrait_work *work)
 {
     const struct equilibria *found = &work->portrait->found;
@@ -259,7 +263,9 @@ bool portrait_separatrices(struct portrait_work *work)
     return true;
 }
 
-/* A scene that cannot be followed gives no line, which is no error. */
+/* Appends the trajectory from the state `start` for `span` [s], negative if backwards, to *line,
+ * with a gap behind. A scene that cannot be followed gives no line, which is no error. Returns
+ * false if out of memory. */
 bool portrait_trajectory(const struct portrait_request *request, const double *start, double span,
                          struct polyline *line)
 {
