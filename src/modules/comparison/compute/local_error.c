@@ -412,7 +412,7 @@ size_t local_error_rows(const struct local_error *result, struct local_error_row
         for (int k = 0; k < result->points; k++) {
             struct local_error_row *row = &rows[count++];
             *row = (struct local_error_row){.method = result->choice.method,
-                                            .variable = &result->variable[i],
+                                            .variable = result->variable[i],
                                             .leading = result->leading[i],
                                             .dt = result->dt[k],
                                             .error = result->error[k][i],
@@ -424,22 +424,17 @@ size_t local_error_rows(const struct local_error *result, struct local_error_row
     return count;
 }
 
-static const char *variable_name(const void *row)
-{
-    return ((const struct local_error_row *)row)->variable->name;
-}
-
 /* Returns the unit's quantity of the errors, which is that of the row's variable. */
 static enum quantity error_quantity(const void *row)
 {
-    return ((const struct local_error_row *)row)->variable->quantity;
+    return ((const struct local_error_row *)row)->variable.quantity;
 }
 
 #define AT(member) .offset = offsetof(struct local_error_row, member)
 
 static const struct result_column of_local_error[] = {
     {.name = "method", .kind = COLUMN_ROW, AT(method)},
-    {.name = "variable", .kind = COLUMN_NAME, .text = variable_name},
+    {.name = "variable", .kind = COLUMN_CHARS, AT(variable.name)},
     {.name = "dt", AT(dt), .quantity = QUANTITY_TIME},
     {.name = "error", AT(error), .quantity_of = error_quantity},
     {.name = "slope", AT(slope)},

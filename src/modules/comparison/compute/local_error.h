@@ -51,14 +51,14 @@ bool study_local_error(const struct local_error_request *request, struct local_e
 /* One variable at one step: a row of the study's table. */
 struct local_error_row {
     const struct method *method;
-    const struct variable *variable;
+    struct variable variable;     /* name and quantity */
     struct leading_error leading; /* the variable's, the same in each of its rows */
     double dt, error;             /* [s], and unit of the variable */
     double slope; /* log(error ratio)/log(dt ratio) to the longer step; NAN for the first */
 };
 
 /* Fills in a row for each variable and step, variable by variable; returns how many. rows has room
- * for n times points of them. They refer to `result`. */
+ * for n times points of them. */
 size_t local_error_rows(const struct local_error *result, struct local_error_row *rows);
 
 /* Columns for rows of struct local_error_row. */
