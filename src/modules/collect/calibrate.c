@@ -31,8 +31,9 @@ struct raw {
     const struct unit *unit; /* unit of the readings, or NULL */
 };
 
-/* Averages the uncalibrated samples of a recording from t_begin to t_end [s]. Returns false with an
- * error if there are too few or if cancelled. */
+/* Averages the uncalibrated samples of a recording from t_begin to t_end [s] into *raw (mean,
+ * scatter, number, unit); values of a calibrated recording are converted back to readings. Returns
+ * false with an error if there are too few or if cancelled. */
 static bool take_reading(const struct session *session, const struct recording *recording,
                          double t_begin, double t_end, struct raw *raw, struct error *error)
 {
@@ -199,8 +200,9 @@ static bool take_next_point(struct session *session, struct reply *reply, struct
     return calibrate_from_readings(session, raw, now->aim.truth, now->aim.truth_unit, reply, error);
 }
 
-/* Takes both readings from the current recording, in two windows of time such as "0:2,5:7" [s], and
- * makes the calibration. Returns false with an error if the windows are malformed or too short. */
+/* Takes both readings from the current recording, in two windows of time such as "0:2,5:7" [s]
+ * (`remaining`), and makes the calibration; the true values are truth [i] in unit [i]. Returns
+ * false with an error if the windows are malformed or too short. */
 static bool calibrate_from_windows(struct session *session, struct text remaining,
                                    const double truth[2], const struct unit *const unit[2],
                                    struct reply *reply, struct error *error)
@@ -232,8 +234,9 @@ static bool calibrate_from_windows(struct session *session, struct text remainin
     return calibrate_from_readings(session, raw, truth, unit, reply, error);
 }
 
-/* Begins a calibration from two true values: from windows of a recording (at=), or by asking the
- * user to hold the sensor's object at the first point. */
+/* Begins a calibration from two true values, truth [i] in unit [i]: from windows of a recording if
+ * `rest` is at=..., else by asking the user to hold the sensor's object at the first point. Returns
+ * false with an error, such as if both values are the same or nothing is being collected. */
 static bool begin_calibration(struct session *session, struct text rest, const double truth[2],
                               const struct unit *const unit[2], struct reply *reply,
                               struct error *error)

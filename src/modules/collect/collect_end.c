@@ -7,7 +7,9 @@
 #include <math.h>
 #include <unistd.h>
 
-/* Returns the word for how a collection ended, as its record has it. */
+/* Returns the word for how a collection ended, as its record has it: "silent" if nothing came,
+ * "untriggered" if a trigger was awaited in vain, else by what ended the source or, if it goes on,
+ * the collection. */
 static const char *collection_status(const struct collection *c)
 {
     if (c->look.lines == 0 && c->there == 0)
@@ -29,7 +31,8 @@ static const char *collection_status(const struct collection *c)
     return c->how == END_IN_TIME ? "ok" : "stopped";
 }
 
-/* Writes the record of a finished collection. */
+/* Writes the record of a finished collection. What is not known is null: the number of lost samples
+ * if the device does not number them, the jitter if the device gives the times. */
 static void reply_collected(const struct collection *c, const struct recording *recording)
 {
     static const char *const clocks[] = {
@@ -60,7 +63,8 @@ static void reply_collected(const struct collection *c, const struct recording *
     reply_end(reply);
 }
 
-/* Reports in a line how many lines and samples came, and warns if the device was unplugged. */
+/* Reports in a line how many lines and samples came, how many were not used and why, and how it
+ * ended; warns if the device was unplugged. */
 static void report_end(const struct collection *c, const struct recording *recording)
 {
     const struct collected *known = recording->collected;
@@ -85,8 +89,9 @@ static void report_end(const struct collection *c, const struct recording *recor
                       c->from_shown, c->look.failure[0] ? ": " : "", c->look.failure);
 }
 
-/* Looks for the trigger in the complete recording and begins its window there. Returns false with
- * an error if the trigger never came, unless the user has stopped waiting for it. */
+/* Looks for the trigger in the complete recording and begins its window there, c->pretrigger [s]
+ * before it. Returns false with an error if the trigger never came, unless the user has stopped
+ * waiting for it, which is only a warning. */
 static bool await_trigger(struct collection *c, struct recording *recording, struct error *error)
 {
     struct trigger *trigger = &c->trigger;

@@ -105,8 +105,8 @@ struct letters {
     double *x, *y;       /* coordinates of the curve, for as many letters as it may get */
 };
 
-/* Adds the curve of a kind of fate, with room for `most` letters. Returns false if out of
- * memory. */
+/* Adds the curve of a kind of fate, with room for `most` letters, and sets *l to its places.
+ * Returns false if out of memory. */
 static bool begin_letters(struct drawing *d, const struct grid *g, int kind, size_t most,
                           struct letters *l)
 {
@@ -217,7 +217,8 @@ static const char *words_of(const struct drawing *d, const struct grid *g)
     return words;
 }
 
-/* Returns an axis of the map, half a step longer than the starts at both ends. */
+/* Returns axis 0 or 1 of the map, half a step longer than the starts at both ends, so that each
+ * start is in the middle of its cell; a single start gets a cell of width 1. */
 static struct axis side_of(const struct grid *g, int axis)
 {
     const struct table_column *column = &g->table->column[axis];
@@ -233,7 +234,9 @@ static struct axis side_of(const struct grid *g, int axis)
     return side;
 }
 
-/* Makes the figure from the stored table: letters, in a picture above a coloured map. */
+/* Makes the figure from the stored table: letters, in a picture above a coloured map. The starts of
+ * one value on the first axis follow each other in the table, which gives the size of the grid.
+ * Returns false with d->error. */
 bool basins_figure(struct drawing *d, struct figure *figure)
 {
     struct grid g = {.table = found_table(d->session, TEXT("basins"))};
