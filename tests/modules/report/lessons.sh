@@ -135,6 +135,9 @@ does "$to_k; undo; redo; measure k; check $k N/m" && grep -q '^4/' out
 ok "redone it counts" $?
 does "lab seed=7; load bare-7.txt; skip; measure k; check $k N/m"; grep -q 'error: not yet' out
 ok "without the mass of the generated recording k does not count either" $?
+figures="lab seed=7; load bare-7.txt; skip; skip; gamma = 0; method euler dt=10 ms; run 10 s"
+does "$figures" && tr '\n' ' ' <out | grep -q "'lab figure 4' draws" && does "$figures; lab figure 4" && [ "$(grep -c '^hooke> plot \(position\|velocity\|phase\)' out)" -eq 3 ]
+ok "the figures that a step names are drawn by one command" $?
 # the lesson of the manual page
 awk '/^\.EX$/ {lesson = 1; next} /^\.EE$/ {lesson = 0} lesson && /^#: [^T]/ {found = 1} lesson && found' "$page" >page.hk
 does "lab page.hk; m = 200 g; k = 15 N/m; print omega0; check 8.66 rad/s" && grep -q "^2/2: How fast" out && grep -q 'the lesson is finished' out && [ -s page.hk ]
