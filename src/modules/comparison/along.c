@@ -84,8 +84,8 @@ static struct contestant *choose_contestants(const struct session *session,
     return list;
 }
 
-/* Writes the name of curve i: that of its method, with step or tolerance if several curves have
- * that method. */
+/* Writes the name of curve i of `count` to curve [80]: that of its method, with step or tolerance
+ * if several curves have that method. */
 static void name_curve(const struct contestant *contestants, int count, int i, char curve[80])
 {
     const struct contestant *c = &contestants[i];
@@ -101,7 +101,8 @@ static void name_curve(const struct contestant *contestants, int count, int i, c
                  SHOWN_QUANTITY(c->dt, QUANTITY_TIME, 4));
 }
 
-/* Solves once with a method and appends a row for each grid time to rows [*n], named `curve`.
+/* Solves once with a method and appends to rows [*n], for each of STUDY_TIMES times, the distance
+ * from the reference, named `curve`. A distance of 0, which a logarithmic axis cannot show, is NAN.
  * Returns false with an error if the method does not apply to the scene or if out of memory. */
 static bool add_errors(const struct system *system, const struct reference *reference,
                        const struct contestant *c, const char *curve, const struct cancel *cancel,
@@ -165,7 +166,9 @@ static bool reply_along(struct session *session, const struct contestant *contes
     return true;
 }
 
-/* Draws the errors of the compared or named methods along the run. */
+/* Makes the table of errors of the compared or named methods along the run, which is then drawn.
+ * `method` [methods] are the named ones; if there are none, those of the last `compare` are taken.
+ * Returns false with an error, such as if there are none either. */
 bool along_study(struct session *session, const struct row *const *method, int methods,
                  struct reply *reply, struct error *error)
 {

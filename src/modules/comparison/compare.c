@@ -80,8 +80,8 @@ static void put_general(const struct comparison *rows, int count, struct buffer 
     buffer_free(&names);
 }
 
-/* Appends a line per row with its verdict in words. The line also names the setting if a method has
- * several rows. */
+/* Appends a line per row with its verdict in words, if it has one. The line also names the setting
+ * (step or tolerance) if a method has several rows, which follow each other. */
 static void put_verdicts(const struct compared_row *rows, int count, struct buffer *text)
 {
     bool several = false;
@@ -150,8 +150,9 @@ static void reply_table(const struct session *session, const struct comparison *
     buffer_free(&lines);
 }
 
-/* Stores the rows as the result "compare", for plots and files, and adds them to the reply as
- * records. */
+/* Stores the rows, those of methods that were left out included, as the result "compare", for plots
+ * and files, and adds them to the reply as records. The result notes the reference: two methods
+ * that agree, or the closed form. */
 static void reply_comparison(const struct session *session, const struct compared_row *rows,
                              int count, struct reply *reply)
 {
@@ -263,8 +264,8 @@ static void reply_machine(const struct session *session, const struct comparison
 }
 
 /* Takes the methods that the statement names, without repetitions, or else the defaults of
- * `precision` that suit the scene. Returns false with an error if the scene or a drag variant is
- * invalid. */
+ * `precision` that suit the scene, into choice [*count]. Returns false with an error if the scene
+ * or a drag variant is invalid. */
 static bool choose_compared(const struct session *session, const struct arguments *args,
                             struct method_choice *choice, int *count, struct reply *reply,
                             struct error *error)
@@ -282,8 +283,9 @@ static bool choose_compared(const struct session *session, const struct argument
     return true;
 }
 
-/* Removes the methods that would take too long from the request and fills in a row for each that
- * says so. If that would leave none, all stay. Returns the number of removed methods. */
+/* Removes the methods that would take too long from the request and its array `choice`, and fills
+ * row [i] for each, which says so. If that would leave none, all stay, so that the whole study is
+ * refused. Returns the number of removed methods. */
 static int leave_out_long(struct compare_request *request, struct method_choice *choice,
                           struct compared_row *row)
 {
@@ -305,8 +307,9 @@ static int leave_out_long(struct compare_request *request, struct method_choice 
     return omitted;
 }
 
-/* Replies with the compared runs and with the left_out rows behind them, and sets up overlays,
- * warnings and hints. */
+/* Replies with the compared runs, rows [count], and sets up overlays, warnings and hints.
+ * `compared` has room for the rows that are shown: the first `count` are filled in here, the
+ * left_out ones behind them are ready. */
 static void reply_compared(struct session *session, const struct arguments *args,
                            const struct comparison *rows, int count, struct compared_row *compared,
                            int left_out, struct reply *reply)
