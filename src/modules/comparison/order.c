@@ -53,10 +53,10 @@ static void put_order(const struct session *session, const struct order *order, 
                                                : TEXT("\n"));
 }
 
-/* Measures each method in turn, with steps from dt[0] to dt[1] [s], into orders [*count]. If there
- * are several, those that do not apply are skipped and appended to `absent` with the reason.
- * Returns false with an error if nothing was measured or if cancelled; results before that are
- * kept. */
+/* Measures each method in turn, with steps from dt[0] to dt[1] [s] (NAN to choose them), into
+ * orders [*count]. If there are several, those that do not apply are skipped and appended to
+ * `absent` with the reason. Returns false with an error if nothing was measured or if cancelled;
+ * results before that are kept. */
 static bool measure_orders(struct session *session, const struct method_choice *choice, int choices,
                            const double dt[2], struct order *orders, int *count,
                            struct buffer *absent, struct error *error)
