@@ -182,7 +182,7 @@ TEST(scene_fits_are_adopted)
     assert_says(&bench.out, "1 N/m^3");
     type_ok(&bench, "scene pendulum");
     assert_false(type(&bench, "adopt"));
-    assert_says(&bench.err, "the fit was one of duffing");
+    assert_says(&bench.err, "the fit belongs to duffing");
     bench_close(&bench);
 }
 
