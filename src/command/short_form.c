@@ -3,6 +3,7 @@
  * if it does not fit on a screen. */
 #include <hooke/base/safe_text.h>
 #include "command/short_form.h"
+#include <hooke/base/numeric.h>
 
 #include <string.h>
 
@@ -47,10 +48,17 @@ bool asks_full(const struct arguments *arguments)
 /* Returns the rows [row] of an answer that fits below the typed line. */
 int answer_rows(const struct session *session)
 {
-    enum { BESIDE = 2 /* the prompt, and the line that was typed */, MIN = 8 };
+    enum { BESIDE = 2 /* the prompt, and the line that was typed */, MIN = 10 };
     int width, height;
     session_size(session, &width, &height);
     return height - BESIDE > MIN ? height - BESIDE : MIN;
+}
+
+int short_answer_rows(const struct session *session)
+{
+    enum { FILE_ROWS = 22 /* rows where nobody has to scroll back */ };
+    return session->front.is_terminal ? answer_rows(session)
+                                      : int_max(answer_rows(session), FILE_ROWS);
 }
 
 /* Returns the rows that the text takes on a screen of this width [cell]. */
@@ -63,6 +71,36 @@ int text_rows(struct text text, int width)
         rows += cells > width ? (cells + width - 1) / width : 1;
     }
     return rows;
+}
+
+/* Appends a line without its newline, in several lines if it is wider than `width` [cell]. */
+static void put_folded_line(struct text line, int width, struct buffer *text)
+{
+    enum { HANGING = 2 /* [cell] that what is continued begins further right */ };
+    int indent = (int)(text_trim(line).data - line.data);
+    if (indent > width / 2)
+        indent = 0;
+    const int room = width - indent - HANGING;
+    struct buffer folded = {0};
+    if (text_width(line) <= width) {
+        buffer_format(text, "%.*s\n", (int)line.len, line.data);
+        return;
+    }
+    buffer_folded(&folded, text_trim(line), room);
+    struct text parts = buffer_text(&folded), part;
+    for (int k = 0; text_split(&parts, '\n', &part); k++)
+        buffer_format(text, "%*s%.*s\n", indent + (k ? HANGING : 0), "", (int)part.len, part.data);
+    text->failed |= folded.failed;
+    buffer_free(&folded);
+}
+
+void put_folded_lines(struct buffer *lines, int width, struct buffer *text)
+{
+    struct text rest = buffer_text(lines), line;
+    while (text_split(&rest, '\n', &line))
+        if (line.len > 0)
+            put_folded_line(line, width, text);
+    buffer_clear(lines);
 }
 
 /* Sink for results: keeps them in the form (context). */
@@ -94,15 +132,14 @@ static bool hold_message(void *context, struct text text)
 void short_form_begin(struct short_form *form, const struct session *session,
                       const struct arguments *arguments, struct reply *reply)
 {
-    int width, height;
-    const int rows = answer_rows(session);
-    session_size(session, &width, &height);
-    *form = (struct short_form){
-        .outer = reply->sink, .width = ANSWER_WIDTH_MIN, .rows_max = ANSWER_ROWS_MIN};
-    if (width > form->width)
-        form->width = width;
-    if (rows > form->rows_max)
-        form->rows_max = rows;
+    enum { WIDTH_MIN = 80 /* [cell] of lines that are no terminal's */ };
+    int height;
+    *form = (struct short_form){.outer = reply->sink,
+                                .rows_max = short_answer_rows(session),
+                                .folds = session->front.is_terminal};
+    session_size(session, &form->width, &height);
+    if (!session->front.is_terminal && form->width < WIDTH_MIN)
+        form->width = WIDTH_MIN;
     form->active =
         has_short_form(arguments->command) && reply_wants_text(reply) && !asks_full(arguments);
     if (form->active)
@@ -140,6 +177,30 @@ static bool write_line(const struct short_form *form, bool message, struct text 
     return (message ? form->outer.err : form->outer.output)(form->outer.context, line);
 }
 
+/* Breaks the lines of results that are wider than the screen. */
+static void fold_results(struct short_form *form)
+{
+    struct buffer folded = {0};
+    size_t new_begin[SHORT_FORM_MESSAGES] = {0};
+    int at_message = 0;
+    for (size_t position = 0; position < form->text.len;) {
+        const struct text line = form_next_line(form, &position, &at_message);
+        const bool message = is_message(form, at_message, line),
+                   whole = line.data[line.len - 1] == '\n';
+        if (message && line.data == form->text.data + form->message[at_message].begin)
+            new_begin[at_message] = folded.len;
+        if (message || !whole)
+            buffer_put(&folded, line);
+        else
+            put_folded_line((struct text){line.data, line.len - 1}, form->width, &folded);
+    }
+    for (int i = 0; i < form->messages; i++)
+        form->message[i].begin = new_begin[i];
+    folded.failed |= form->text.failed;
+    buffer_free(&form->text);
+    form->text = folded;
+}
+
 /* Ends the short form: writes all held messages, and the first and last rows of the held results
  * with a line "... n more rows: --full" between them, so that about form->rows_max rows appear in
  * all. Rows of the terminal are counted first, then the lines are written to the outer sink. Frees
@@ -149,6 +210,8 @@ void short_form_end(struct short_form *form, struct reply *reply)
     if (!form->active)
         return;
     reply->sink = form->outer;
+    if (form->folds)
+        fold_results(form);
     int total = 0, said = 0, rows_before = 0, at_message = 0, left_out = 0;
     for (size_t position = 0; position < form->text.len;) {
         const struct text line = form_next_line(form, &position, &at_message);

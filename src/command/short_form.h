@@ -12,6 +12,7 @@
 struct short_form {
     struct sink outer;   /* sink of the reply, restored by short_form_end() */
     int width, rows_max; /* [cell] of a line; [row] of the answer */
+    bool folds;          /* lines wider than a terminal are broken; those for programs are not */
     bool active;         /* false if the statement shows everything and nothing is held back */
     struct buffer text;  /* results, and messages at their places */
     struct {

@@ -85,14 +85,17 @@ bool check_input(const struct session *session, struct text where, struct error 
 
 /* Returns true if the statement has the option --full. */
 bool asks_full(const struct arguments *arguments);
-/* Smallest size of a screen for which replies are shortened to fit; on smaller screens they scroll.
- */
-enum { ANSWER_ROWS_MIN = 22 /* [row] */, ANSWER_WIDTH_MIN = 80 /* [cell] */ };
-/* Returns the largest number of rows of a reply for which the typed line remains visible above it.
- */
+/* Returns the number of rows of a reply that fits below the line that was typed, at least 10: on
+ * smaller screens it scrolls. */
 int answer_rows(const struct session *session);
+/* Returns the number of rows to which text is shortened: answer_rows(), but at least 22 if the
+ * output is no terminal, whatever size its plots have. */
+int short_answer_rows(const struct session *session);
 /* Returns the number of rows of a text on a screen of this width [cell]. */
 int text_rows(struct text text, int width);
+/* Appends the lines of `lines` to `text`, those wider than `width` [cells] broken into several, and
+ * empties `lines`. Empty lines are dropped. */
+void put_folded_lines(struct buffer *lines, int width, struct buffer *text);
 
 /* Replies, with a line and a record, that the table was written to `file`. */
 void reply_exported(struct reply *reply, struct text file, const struct table *table);

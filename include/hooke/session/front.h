@@ -81,6 +81,7 @@ struct front {
      * asked about long runs, which are otherwise refused. */
     bool interactive;
     bool utf8, color;  /* The output can show UTF-8, and colours. */
+    bool is_terminal;  /* The output is a terminal, on which long answers scroll away. */
     int width, height; /* [cell] size of the output; 0 stands for 80x24 */
     bool input;        /* Standard input is free for data: no commands come from there. */
     const struct feed_access *feed; /* NULL if the front end reads no sensors. */

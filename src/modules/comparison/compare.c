@@ -128,16 +128,18 @@ static void reply_table(const struct session *session, const struct comparison *
     bool timed = false;
     for (int i = 0; i < count; i++)
         timed |= isfinite(compared[i].time.minimum);
-    if (timed && rows[0].mixed)
+    const bool is_small = brief && short_answer_rows(session) < SMALL_ANSWER_ROWS;
+    if (timed && rows[0].mixed && !is_small)
         put_general(compared, count, &lines);
     put_turning(compared, count, &lines);
     put_folded_lines(&lines, width, &text);
     const size_t table_end = text.len;
     put_verdicts(rows, count + left_out, &lines);
     put_folded_lines(&lines, width, &text);
-    const int rows_max =
-        answer_rows(session) > ANSWER_ROWS_MIN ? answer_rows(session) : ANSWER_ROWS_MIN;
-    if (brief && text.len > table_end && text_rows(buffer_text(&text), width) > rows_max - BELOW) {
+    if (is_small)
+        text.len = table_end;
+    else if (brief && text.len > table_end &&
+             text_rows(buffer_text(&text), width) > short_answer_rows(session) - BELOW) {
         text.len = table_end;
         buffer_put(&text, TEXT("... a description of each run: --full\n"));
     }
@@ -319,7 +321,8 @@ static void reply_compared(struct session *session, const struct arguments *args
     reply_comparison(session, compared, count + left_out, reply);
     for (int i = 0; i < count; i++)
         reply_unsound(rows[i].run, reply);
-    reply_machine(session, rows, count, reply);
+    if (asks_full(args) || short_answer_rows(session) >= SMALL_ANSWER_ROWS)
+        reply_machine(session, rows, count, reply);
     reply_saved(session, rows, count, reply);
 }
 

@@ -58,30 +58,6 @@ struct method_choice *methods_choice(const struct session *session, const struct
     return choice;
 }
 
-/* Moves lines to `text`, those wider than `width` [cells] broken into several. */
-void put_folded_lines(struct buffer *lines, int width, struct buffer *text)
-{
-    enum { HANGING = 2 /* [cell] that what is continued begins further right */ };
-    struct text rest = buffer_text(lines), line;
-    while (text_split(&rest, '\n', &line)) {
-        const int indent = (int)(line.len - text_trim(line).len);
-        struct buffer folded = {0};
-        if (line.len == 0)
-            continue;
-        if (text_width(line) <= width) {
-            buffer_format(text, "%.*s\n", (int)line.len, line.data);
-            continue;
-        }
-        buffer_folded(&folded, text_trim(line), width - indent - HANGING);
-        struct text parts = buffer_text(&folded), part;
-        for (int k = 0; text_split(&parts, '\n', &part); k++)
-            buffer_format(text, "%*s%.*s\n", indent + (k ? HANGING : 0), "", (int)part.len,
-                          part.data);
-        buffer_free(&folded);
-    }
-    buffer_clear(lines);
-}
-
 /* Drops methods that are named twice with the same drag. Returns how many are left. */
 int drop_repeated(struct method_choice *choice, int count, struct reply *reply)
 {

@@ -41,9 +41,8 @@ struct method_choice *methods_choice(const struct session *session, const struct
  * are left. */
 int drop_repeated(struct method_choice *choice, int count, struct reply *reply);
 
-/* Appends the lines of `lines` to `text`, those wider than `width` [cells] broken into several, and
- * empties `lines`. Empty lines are dropped. */
-void put_folded_lines(struct buffer *lines, int width, struct buffer *text);
+/* Number of rows of an answer below which notes are left out in favour of results. */
+enum { SMALL_ANSWER_ROWS = 16 };
 
 /* ---- a precision study in text (precision_text.c, figure.c) ---- */
 

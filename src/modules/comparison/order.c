@@ -13,23 +13,27 @@
 
 /* ---- order ---- */
 
-/* Appends the result for one method: a table of step sizes and errors, the fitted order beside the
- * claimed one, and the reason if they differ. */
+/* Appends the result for one method: the fitted order beside the claimed one, the reason if they
+ * differ, a table of step sizes and errors, and how they were measured. */
 static void put_order(const struct session *session, const struct order *order, struct arena *arena,
                       struct buffer *output)
 {
     const char *drag = contender_drag(&order->choice);
     struct text_table table = {.arena = arena, .gap = 3, .indent = 2};
+    const char *verdict = catalog_row(&order_verdict_catalog, order->verdict)->name;
     buffer_put(output, text_of(order->choice.method->row.name));
     if (drag)
         buffer_format(output, " drag=%s", drag);
-    buffer_format(output,
-                  ", %s of the scene in fixed steps with compensated sums; root mean square "
-                  "error of the whole state at four times, accurate to %s",
-                  SHOWN_QUANTITY(session->setup.settings.duration, QUANTITY_TIME, 4),
-                  SHOWN_SHORT(order->floor, 2));
-    buffer_put(output, order->reference_stored ? TEXT(", with an earlier reference solution\n")
-                                               : TEXT("\n"));
+    if (order->fitted)
+        buffer_format(output, ": order %.3f +- %.3f (* %d points, R^2 = %.8g), claimed %d: %s\n",
+                      order->slope, order->guard, order->fitted, order->r2, order->claimed,
+                      verdict);
+    else if (order->verdict == ORDER_EXACT)
+        buffer_put(output, TEXT(": exact: every step size gives the solution up to rounding\n"));
+    else
+        buffer_format(output, ": no order can be measured here (claimed %d)\n", order->claimed);
+    if (order->words[0])
+        buffer_format(output, "%s\n", order->words);
     columns_text(&order_point_columns, order->point, (size_t)order->points, true, &table);
     text_table_put(&table, output);
     int64_t turns = 0;
@@ -40,17 +44,13 @@ static void put_order(const struct session *session, const struct order *order, 
             output,
             "steps end at %s (up to %lld extra steps per run); 'set turning off' steps across\n",
             order->switches ? "switches" : "turning points", (long long)turns);
-    const char *verdict = catalog_row(&order_verdict_catalog, order->verdict)->name;
-    if (order->fitted)
-        buffer_format(output, "order %.3f +- %.3f (* %d points, R^2 = %.8g), claimed %d: %s\n",
-                      order->slope, order->guard, order->fitted, order->r2, order->claimed,
-                      verdict);
-    else if (order->verdict == ORDER_EXACT)
-        buffer_put(output, TEXT("exact: every step size gives the solution up to rounding\n"));
-    else
-        buffer_format(output, "no order can be measured here (claimed %d)\n", order->claimed);
-    if (order->words[0])
-        buffer_format(output, "%s\n", order->words);
+    buffer_format(output,
+                  "%s of the scene in fixed steps with compensated sums; root mean square error "
+                  "of the whole state at four times, accurate to %s",
+                  SHOWN_QUANTITY(session->setup.settings.duration, QUANTITY_TIME, 4),
+                  SHOWN_SHORT(order->floor, 2));
+    buffer_put(output, order->reference_stored ? TEXT(", with an earlier reference solution\n")
+                                               : TEXT("\n"));
 }
 
 /* Measures each method in turn, with steps from dt[0] to dt[1] [s] (NAN to choose them), into

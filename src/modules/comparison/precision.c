@@ -137,23 +137,31 @@ static void put_without_result(const struct precision *precision, struct buffer 
 
 /* Appends the usual answer: the diagram, as high as the other lines leave room for, then the
  * fastest methods. The legend of letters is left out where there is little room, as the table of
- * the fastest methods names them, too. */
+ * the fastest methods names them, too. Small screens have fewer winners without a heading,
+ * and no subject. */
 static void put_short(const struct session *session, const struct precision *precision, int width,
                       double seconds, struct arena *arena, struct buffer *text)
 {
-    enum { FIGURE_ROWS_MIN = 8 };
-    struct buffer rest = {0}, legend = {0}, paragraph = {0};
-    precision_winners(precision, 3, false, width, arena, &rest);
+    enum { FIGURE_ROWS_MIN = 7 };
+    struct buffer table = {0}, rest = {0}, legend = {0}, paragraph = {0};
+    const bool is_small = short_answer_rows(session) < SMALL_ANSWER_ROWS;
+    precision_winners(precision, is_small ? 6 : 3, false, width, arena, &table);
+    struct text shown = buffer_text(&table), heading;
+    if (is_small)
+        text_split(&shown, '\n', &heading);
+    buffer_put(&rest, shown);
     const int winners = text_rows(buffer_text(&rest), width);
     precision_legend(precision, width, &legend);
     if (text_rows(buffer_text(&legend), width) + winners + FIGURE_ROWS_MIN + 1 >
         answer_rows(session))
         buffer_clear(&legend);
-    put_without_result(precision, &paragraph);
-    put_subject(session, precision, seconds, &paragraph);
+    if (!is_small) {
+        put_without_result(precision, &paragraph);
+        put_subject(session, precision, seconds, &paragraph);
+    }
     put_folded_lines(&paragraph, width, &rest);
     buffer_put(&rest, width < 60
-                          ? TEXT("letters, values: 'precision table'\n")
+                          ? TEXT("fastest per error; 'precision table'\n")
                           : TEXT("'precision table [METHOD]': slopes, values; --full: all\n"));
     const int room = answer_rows(session) - text_rows(buffer_text(&rest), width) -
                      text_rows(buffer_text(&legend), width);
@@ -162,6 +170,7 @@ static void put_short(const struct session *session, const struct precision *pre
     buffer_put(text, buffer_text(&legend));
     buffer_put(text, buffer_text(&rest));
     text->failed |= rest.failed;
+    buffer_free(&table);
     buffer_free(&rest);
     buffer_free(&legend);
     buffer_free(&paragraph);
@@ -236,8 +245,10 @@ static bool reply_tables(const struct session *session, const struct arguments *
     const bool full = asks_full(args);
     if (methods->count == 0 && full)
         precision_tables(precision, NULL, width, args->arena, &text);
-    else if (methods->count == 0)
+    else if (methods->count == 0) {
         precision_overview(precision, &text);
+        put_without_result(precision, &text);
+    }
     if (methods->count > 0 || full)
         put_marks(&text, precision, !full);
     if (methods->count == 0 && full)

@@ -232,6 +232,12 @@ static bool is_row_timed(const void *row)
     return isfinite(time_of(row));
 }
 
+static bool has_room_for_next(const void *row)
+{
+    enum { BEST_CELLS = 10 /* room of the names of those that tie */ };
+    return ((const struct fastest_row *)row)->width >= BEST_CELLS;
+}
+
 /* clang-format off */
 static const struct result_column of_fastest[] = {
     {.name = "error", .offset = offsetof(struct fastest_row, error),
@@ -242,7 +248,8 @@ static const struct result_column of_fastest[] = {
      .index = 3, .heading = "in", .look = cell_seconds, .flags = COLUMN_IF_ANY},
     {.name = "tied_with", .record = put_tied},
     {.name = "next", .kind = COLUMN_NAME, .text = next_of,
-     .index = 4, .heading = "then", .cell = next_cell},
+     .index = 4, .heading = "then", .cell = next_cell, .any = has_room_for_next,
+     .flags = COLUMN_IF_ANY},
     {.name = "next_times", .real = next_times},
     {.kind = COLUMN_NAME, .text = best_of, .index = 5, .heading = "fewest evaluations",
      .cell = fewest_cell, .any = is_row_timed,

@@ -367,11 +367,12 @@ PLANE_STUDY(stars_study, REGION_STARS)
 PLANE_STUDY(region_study, REGION_DAMPED)
 
 /* Appends the table of all methods. One method is also described in words and, if `pictured`, with
- * a picture in the remaining height; with --full all methods are described. */
+ * a picture in the remaining height if that is enough; with --full all methods are described. */
 static void put_study(const struct session *session, const struct arguments *args,
                       const struct stability *rows, int count, bool pictured,
                       const struct buffer *absent, struct buffer *text)
 {
+    enum { PICTURE_ROWS_MIN = 8 };
     int width, height;
     struct buffer lines = {0};
     session_size(session, &width, &height);
@@ -391,7 +392,9 @@ static void put_study(const struct session *session, const struct arguments *arg
     buffer_free(&lines);
     if (!asks_full(args))
         height = answer_rows(session) - text_rows(buffer_text(text), width);
-    if (count == 1 && pictured && !put_picture(text, session, &rows[0], height, args->arena))
+    if (count == 1 && pictured && height < PICTURE_ROWS_MIN && !asks_full(args))
+        buffer_put(text, TEXT("'plot stability' draws its region\n"));
+    else if (count == 1 && pictured && !put_picture(text, session, &rows[0], height, args->arena))
         text->failed = true;
 }
 

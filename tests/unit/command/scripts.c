@@ -231,7 +231,7 @@ static bool run_file(const char *folder, const char *name, int number)
     struct scenario s = {.file = name};
     buffer_format(&path, "%s/%s", folder, name);
     reply_init(&s.reply, (struct sink){take_out, take_err, &s.capture});
-    s.session = session_create(&(struct front){.width = 80, .height = 24});
+    s.session = session_create(&(struct front){.input = false}); /* no screen: no line is broken */
     struct text missing = {NULL, 0};
     const char *kind = strrchr(folder, '/') + 1;
     if (!s.session || !file_read(path.data, 1 << 20, &content, &error))
