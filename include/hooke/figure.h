@@ -46,9 +46,12 @@ void canvas_put(struct canvas *canvas, int x, int y, uint32_t codepoint, enum st
 /* Writes a text in row y from column x on, clipped at the edges. Returns the column behind the
  * text. */
 int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum style style);
-/* Appends the canvas as lines without trailing blanks. With `color` the lines contain escape
- * sequences for colours. Sets output->failed if out of memory. */
-void canvas_print(const struct canvas *canvas, bool color, struct buffer *output);
+/* Returns the colour of a style for a terminal with that many colours, or -1 if it has none. With
+ * 256, colours of curves are readable on white and on black; with 8, they avoid yellow and cyan. */
+int style_color(enum style style, int colors);
+/* Appends the canvas as lines without trailing blanks, with escape sequences for a terminal with
+ * that many colours, or without any if `colors` is 0. Sets output->failed if out of memory. */
+void canvas_print(const struct canvas *canvas, int colors, struct buffer *output);
 
 struct cancel;
 struct figure;
@@ -351,10 +354,10 @@ bool figure_cell(const struct figure_layout *layout, double x, double y, int *co
  */
 bool figure_draw(const struct figure *figure, struct canvas *canvas, int x, int y, int width,
                  int height, const struct charset *charset);
-/* Appends the figure as `height` lines of text, `width` columns wide, with colours if `color`.
- * Returns false if out of memory or cancelled. */
+/* Appends the figure as `height` lines of text, `width` columns wide, with the colours of a
+ * terminal that has `colors` of them. Returns false if out of memory or cancelled. */
 bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
-                  bool color, struct buffer *output);
+                  int colors, struct buffer *output);
 
 /* ---- sizes of pictures, which a module draws ---- */
 

@@ -79,18 +79,38 @@ int canvas_text(struct canvas *canvas, int x, int y, struct text text, enum styl
     return x;
 }
 
-/* Appends the canvas as lines without trailing blanks. Escapes for styles are written only if
- * `color` is set and the style changes; every line ends in the plain style. */
-void canvas_print(const struct canvas *canvas, bool color, struct buffer *output)
+/* Colours of 256 are fixed, of a contrast of at least 3:1 with white and with black, and distinct
+ * for colour-blind eyes: blue, vermilion, purple, green, after Okabe and Ito (2008). Colours of 8
+ * follow the terminal's theme. */
+int style_color(enum style style, int colors)
 {
-    /* Colours are numbers of the terminal's palette, so that they follow its theme; backgrounds are
-     * never painted. */
-    static const char *const escape[] = {
-        [STYLE_PLAIN] = "",           [STYLE_DIM] = "\033[2m",      [STYLE_BOLD] = "\033[1m",
-        [STYLE_CURVE_1] = "\033[36m", [STYLE_CURVE_2] = "\033[33m", [STYLE_CURVE_3] = "\033[35m",
-        [STYLE_CURVE_4] = "\033[32m", [STYLE_ALERT] = "\033[31m",
+    static const struct {
+        int of_8, of_256;
+    } color[] = {
+        [STYLE_CURVE_1] = {4, 32}, [STYLE_CURVE_2] = {1, 166}, [STYLE_CURVE_3] = {5, 133},
+        [STYLE_CURVE_4] = {2, 29}, [STYLE_ALERT] = {1, 160},
     };
+    if (style >= COUNT_OF(color) || color[style].of_8 == 0 || colors == 0)
+        return -1;
+    return colors >= 256 ? color[style].of_256 : color[style].of_8;
+}
 
+/* Appends the escape sequence that begins the style; backgrounds are never painted. */
+static void put_style(enum style style, int colors, struct buffer *output)
+{
+    const int color = style_color(style, colors);
+    if (style == STYLE_DIM)
+        buffer_put(output, TEXT("\033[2m"));
+    else if (style == STYLE_BOLD)
+        buffer_put(output, TEXT("\033[1m"));
+    else if (color >= 0)
+        buffer_format(output, colors >= 256 ? "\033[38;5;%dm" : "\033[3%dm", color);
+}
+
+/* Appends the canvas as lines without trailing blanks. Escapes for styles are written only if
+ * there are colours and the style changes; every line ends in the plain style. */
+void canvas_print(const struct canvas *canvas, int colors, struct buffer *output)
+{
     for (int y = 0; y < canvas->height; y++) {
         const struct cell *row = canvas->cell + (size_t)y * (size_t)canvas->width;
         int end = canvas->width;
@@ -101,11 +121,11 @@ void canvas_print(const struct canvas *canvas, bool color, struct buffer *output
             /* The right half of a wide character was written with its left half. */
             if (row[x].codepoint == 0)
                 continue;
-            if (color && row[x].codepoint != ' ' && row[x].style != style) {
+            if (colors && row[x].codepoint != ' ' && row[x].style != style) {
                 if (style != STYLE_PLAIN)
                     buffer_put(output, TEXT("\033[0m"));
                 style = row[x].style;
-                buffer_put(output, text_of(escape[style]));
+                put_style((enum style)style, colors, output);
             }
             buffer_codepoint(output, row[x].codepoint);
         }

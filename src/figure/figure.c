@@ -473,7 +473,7 @@ bool figure_stopped(const struct figure *figure)
 
 /* Appends a figure as lines of text. Returns false if out of memory or cancelled. */
 bool figure_print(const struct figure *figure, int width, int height, const struct charset *charset,
-                  bool color, struct buffer *output)
+                  int colors, struct buffer *output)
 {
     struct canvas canvas;
 
@@ -482,7 +482,7 @@ bool figure_print(const struct figure *figure, int width, int height, const stru
     if (!canvas_init(&canvas, width, height))
         return false;
     bool done = figure_draw(figure, &canvas, 0, 0, width, height, charset);
-    canvas_print(&canvas, color, output);
+    canvas_print(&canvas, colors, output);
     canvas_free(&canvas);
     return done && !output->failed && !figure_stopped(figure);
 }

@@ -49,8 +49,11 @@ void front_probe(struct front *front, const struct options *options, int fd)
     bool terminal = isatty(fd);
     bool dumb = !term || strcmp(term, "dumb") == 0;
     front->utf8 = text_is_utf8() && !(term && strcmp(term, "linux") == 0);
-    front->color = terminal && !dumb && !(no_color && *no_color);
     front->is_terminal = terminal;
+    const char *more = getenv("COLORTERM");
+    const bool shows_256 = (term && strstr(term, "256color")) || (more && *more);
+    if (terminal && !dumb && !(no_color && *no_color))
+        front->colors = shows_256 ? 256 : 8;
     struct winsize size;
     if (terminal && ioctl(fd, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 && size.ws_row > 0) {
         front->width = size.ws_col;

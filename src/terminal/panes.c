@@ -443,7 +443,7 @@ void panes_run(struct front_program *program)
     FILE *nowhere = fopencookie(NULL, "w", (cookie_io_functions_t){.write = ignore_output});
     program->next = FRONT_NONE;
     line_begin(session); /* precedes ncurses, because both look up the terminal */
-    panes.color = saved.color;
+    panes.color = saved.colors > 0;
     panes.screen.utf8 = strcmp(nl_langinfo(CODESET), "UTF-8") == 0;
     /* Handlers are set before ncurses, which would otherwise handle Ctrl-Z and ignore it while it
      * draws. */

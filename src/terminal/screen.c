@@ -220,30 +220,20 @@ void screen_resize(struct terminal_screen *screen)
 
 /* ---- cells ---- */
 
-/* Attributes of styles, in colours of the terminal's palette as in printed figures; backgrounds are
- * never painted. */
-static const struct style_attributes {
-    attr_t attributes;
-    short color; /* -1 if there is none */
-} looks[] = {
-    [STYLE_PLAIN] = {A_NORMAL, -1},
-    [STYLE_DIM] = {A_DIM, -1},
-    [STYLE_BOLD] = {A_BOLD, -1},
-    [STYLE_CURVE_1] = {A_NORMAL, COLOR_CYAN},
-    [STYLE_CURVE_2] = {A_NORMAL, COLOR_YELLOW},
-    [STYLE_CURVE_3] = {A_NORMAL, COLOR_MAGENTA},
-    [STYLE_CURVE_4] = {A_NORMAL, COLOR_GREEN},
-    [STYLE_ALERT] = {A_NORMAL, COLOR_RED},
-};
+/* Attributes of styles; their colours are those of printed figures, and backgrounds are never
+ * painted. */
+static const attr_t style_attributes[] = {
+    [STYLE_DIM] = A_DIM, [STYLE_BOLD] = A_BOLD, [STYLE_ALERT] = A_NORMAL};
 
 /* Sets colours up when they are wanted for the first time, because ncurses sends colour sequences
  * from then on. Returns false if there are none. */
 static bool begin_colors(struct terminal_screen *screen)
 {
     if (!screen->color_begun && has_colors() && start_color() == OK && use_default_colors() == OK) {
-        for (size_t i = 0; i < COUNT_OF(looks); i++) {
-            if (looks[i].color >= 0) {
-                init_pair((short)i, looks[i].color, -1);
+        for (size_t i = 0; i < COUNT_OF(style_attributes); i++) {
+            const int color = style_color((enum style)i, COLORS);
+            if (color >= 0) {
+                init_pair((short)i, (short)color, -1);
             }
         }
         screen->color_begun = true;
@@ -280,10 +270,9 @@ static void put_screen_row(struct terminal_screen *screen, int y)
             continue;
         }
         const wchar_t wide[2] = {sent_character(screen, row[x].codepoint), L'\0'};
-        const struct style_attributes *look =
-            &looks[row[x].codepoint == ' ' ? STYLE_PLAIN : row[x].style];
-        setcchar(&line[n++], wide, look->attributes,
-                 color && look->color >= 0 ? (short)(look - looks) : 0, NULL);
+        const enum style style = row[x].codepoint == ' ' ? STYLE_PLAIN : (enum style)row[x].style;
+        setcchar(&line[n++], wide, style_attributes[style],
+                 color && style_color(style, COLORS) >= 0 ? (short)style : 0, NULL);
         if (wide[0] == L'?' && x + 1 < screen->width && row[x + 1].codepoint == 0) {
             setcchar(&line[n++], L" ", A_NORMAL, 0, NULL);
         }

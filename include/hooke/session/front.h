@@ -80,7 +80,8 @@ struct front {
     /* A person types the commands: then beginnings of names are accepted as names, and the user is
      * asked about long runs, which are otherwise refused. */
     bool interactive;
-    bool utf8, color;  /* The output can show UTF-8, and colours. */
+    bool utf8;         /* The output can show UTF-8. */
+    int colors;        /* Number of colours that the output can show: 0, 8 or 256. */
     bool is_terminal;  /* The output is a terminal, on which long answers scroll away. */
     int width, height; /* [cell] size of the output; 0 stands for 80x24 */
     bool input;        /* Standard input is free for data: no commands come from there. */

@@ -300,13 +300,14 @@ static bool print_figure(const struct session *session, const struct figure_requ
 {
     const struct front *front = &session->front;
     const enum color_choice choice = (enum color_choice)session->setup.settings.color;
-    const bool color =
-        choice == COLOR_ALWAYS || (choice == COLOR_AUTO && front->color && !front->watched);
+    int colors = choice == COLOR_AUTO && !front->watched ? front->colors : 0;
+    if (choice == COLOR_ALWAYS)
+        colors = front->colors ? front->colors : 8;
     struct buffer *text = reply_buffer(reply), legend = {0};
     if (plot_row(request->kind)->picture && !request->charset->words)
         height -= move_legend(figure, width, arena, &legend);
     if (!figure_print(figure, width, height, request->charset,
-                      color && reply->format == FORMAT_TEXT, text))
+                      reply->format == FORMAT_TEXT ? colors : 0, text))
         return error_memory(error);
     buffer_put(text, buffer_text(&legend));
     buffer_free(&legend);

@@ -2,6 +2,8 @@
 /* Canvas: clipping, wide characters, what is printed. */
 #include "cmocka_testing.h"
 
+#include <math.h>
+
 #include <hooke/figure.h>
 
 static void expect(struct canvas *canvas, bool color, const char *text)
@@ -64,7 +66,36 @@ TEST(test_colors)
     canvas_text(&canvas, 0, 1, TEXT("e"), STYLE_DIM);
     canvas_text(&canvas, 1, 1, TEXT("f"), STYLE_ALERT);
     canvas_text(&canvas, 0, 2, TEXT("   "), STYLE_BOLD);
-    expect(&canvas, true, "\033[36mab c\033[0md\n\033[2me\033[0m\033[31mf\033[0m\n\n");
+    expect(&canvas, true, "\033[34mab c\033[0md\n\033[2me\033[0m\033[31mf\033[0m\n\n");
+}
+
+/* Returns the luminance of a colour of the cube of 6 x 6 x 6 in the palette of 256 (WCAG 2). */
+static double cube_luminance(int color)
+{
+    static const double weight[3] = {0.2126, 0.7152, 0.0722};
+    const int level[3] = {(color - 16) / 36, (color - 16) / 6 % 6, (color - 16) % 6};
+    double luminance = 0;
+    for (int i = 0; i < 3; i++) {
+        const double value = level[i] ? (55 + 40 * level[i]) / 255.0 : 0;
+        luminance += weight[i] * pow((value + 0.055) / 1.055, 2.4);
+    }
+    return luminance;
+}
+
+TEST(colors_are_readable_on_white_and_on_black)
+{
+    (void)state;
+    for (int style = STYLE_CURVE_1; style <= STYLE_ALERT; style++) {
+        const int color = style_color((enum style)style, 256);
+        const double luminance = cube_luminance(color);
+        assert_true(color >= 16 && color < 232);
+        assert_true(1.05 / (luminance + 0.05) >= 3);
+        assert_true((luminance + 0.05) / 0.05 >= 3);
+        /* neither yellow nor cyan */
+        assert_int_not_equal(style_color((enum style)style, 8), 3);
+        assert_int_not_equal(style_color((enum style)style, 8), 6);
+        assert_int_equal(style_color((enum style)style, 0), -1);
+    }
 }
 
 TEST(test_no_color_no_escape)
