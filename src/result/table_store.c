@@ -86,8 +86,9 @@ bool table_store_put(struct table_store *store, const char *kind, struct arena *
 
 /* ---- a row ---- */
 
-/* Begins a row of the table of this kind, which is made if there is none. If out of memory, or if
- * the table is complete, the row is dropped. */
+/* Begins a row of the table of this kind and makes it the current one (store->row). A missing table
+ * is created. The row is dropped (store->row is NULL) if out of memory, or if the table is
+ * finished, so that it has no `growth`. */
 void store_row_begin(struct table_store *store, const char *kind)
 {
     struct stored_table *stored = table_store_find(store, text_of(kind));

@@ -184,8 +184,8 @@ static void adapt_to_size(struct panes *panes)
 
 /* ---- signals ---- */
 
-/* Waits briefly for the terminal's answer, which would appear at the shell's prompt if it came
- * later. */
+/* Waits for the terminal's answer to the last request of `pacing`, at most FAREWELL_NS, because a
+ * later answer would appear at the shell's prompt. */
 static void await_answer(struct panes *panes)
 {
     const int64_t deadline = clock_ns() + FAREWELL_NS;

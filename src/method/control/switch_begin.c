@@ -18,7 +18,8 @@
 #define PROBE_MIN_ULPS 1e5  /* Shortest probe in units of the last place of t. */
 #define SHARE_ROUNDING 1e-9 /* Rounding of a sliding share that is computed by differences. */
 
-/* Computes the guards at y after h [s], by the midpoint rule; f is the derivative at y. */
+/* Sets guard[] to the guards after h [s], which may be negative, from the state step->y by one step
+ * of the midpoint rule of the system `frozen`. f [n] is the derivative at step->y. */
 static void guards_after(const struct step *step, const struct system *frozen, const double *f,
                          double h, double *guard)
 {
@@ -226,7 +227,8 @@ static void pile_up(struct step *step, struct switches_state *state, double prob
     state->shorter = 0;
 }
 
-/* Resets the state of switches at time t, except for its counts. */
+/* Resets the state of the switches at time t [s]. The statistics stay: the numbers of slides, of
+ * switches piled up and of crossings, and time and switch of the first slide. */
 static void switches_reset(struct switches_state *state, double t)
 {
     const struct switches_state was = *state;

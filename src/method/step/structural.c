@@ -132,11 +132,12 @@ static void increment_jacobian(const void *forces, double t, const double *y_end
         }
 }
 
-/* Finds the increment z [n] of a step of length tau by continuing the solution from a step of
+/* Finds the increment z [n] of a step of length tau [s] by continuing the solution from a step of
  * length 0 (newton_follow()), for steps in which Newton iterations fail or find another root. Sets
- * ahead [n/2] to the acceleration at the end, computed from the force at y_mid [n], the state
- * within the step. a [n/2] is the acceleration at the start, `work` space for newton_follow().
- * Returns false if no solution is found. */
+ * y_mid [n] to the state at the fraction 1 - alpha_f of the step, and ahead [n/2] to the
+ * acceleration at the end, from (1 - alpha_m) ahead + alpha_m a = acceleration at y_mid. a [n/2] is
+ * the acceleration at the start, `work` space for newton_follow(). Returns false if no solution is
+ * found. */
 static bool structural_follow(const struct structural *s, struct step *step, double tau,
                               const double *a, double *ahead, double *z, double *y_mid,
                               double *work)

@@ -120,9 +120,11 @@ static void read_new_rows(struct collection *c)
         recording_destroy(recording);
 }
 
-/* Fits all that was collected once more, before the collection ends. */
+/* Reads all rows that are still unread and fits all data once more, before the collection ends. */
 void collect_fit_last(struct collection *c)
 {
+    /* view.lines is 0 after a reading that has not reached the end of the file. Times `due` of 0
+     * allow the next reading and the next fit at once. */
     do {
         c->view.due = c->live.fit_due = 0;
         read_new_rows(c);

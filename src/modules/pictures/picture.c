@@ -155,7 +155,9 @@ static void draw_panel(struct page *page)
         page_bar(page);
 }
 
-/* Lays out the panels below `top` [pt] twice: the notes follow from their ranges, and take room. */
+/* Places the panels between `top` [pt] and the lower edge of the page and writes the notes into
+ * `foot`, which depend on the ranges of the panels. If there are notes, places the panels again,
+ * above them. */
 static void lay_out_sheet(struct picture_sheet *sheet, double top, struct foot *foot)
 {
     const struct page *page = sheet->page;

@@ -124,10 +124,10 @@ static bool ends_near(struct run *run, size_t i)
 
 /* ---- choosing rows to examine ---- */
 
-/* Returns the row before the largest change of a variable, relative to the mean of its changes, in
- * a block of rows, or the first row if no change stands out. The block begins at row `block`;
- * *count is its largest number of rows on entry, and on return the number used: rows that follow
- * each other in memory and fill whole vectors, or 1. */
+/* Finds, in at most *count steps from row `block` on, the one in which a variable changes most
+ * compared with the mean of its changes. Returns the row before that step, or `block` if no change
+ * exceeds times_mean times the mean. Sets *count to the number of steps examined, at least 1, whose
+ * rows follow each other in memory and fill whole vectors. */
 CLONES static size_t row_that_stands_out(const struct trace *trace, size_t block, size_t *count)
 {
     static const double times_mean = 2; /* the largest change of a sine is 1.6 times their mean */
@@ -176,7 +176,10 @@ size_t run_rows_looked_max(const struct system *system, const struct method *met
     return (size_t)fmax(evals / evals_a_row, few ? picked_min : looked_min);
 }
 
-/* Compares steps that look strange with the solution: the first ones, then ever fewer. */
+/* Checks steps of new rows that look strange (step_looks_strange()) against a recomputed, more
+ * accurate solution: the first 64 of the run, then the 128th, 256th, …. Stops the run if the
+ * solution ends in or soon after one of them (ends_near(), called for the 1st, 2nd, 4th, … and the
+ * last). Looks at only one of every `stride` steps of long runs. */
 void run_find_strange_steps(struct run *run)
 {
     enum { LOOK_EACH = 512, CHECKS_EACH = 64 }; /* all steps are checked up to that many */

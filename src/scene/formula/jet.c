@@ -69,7 +69,8 @@ static struct jet jet_div(struct jet a, struct jet b)
     return q;
 }
 
-/* Returns the truth of a < b, or a <= b if `equal`, as bounds of 1 or 0. */
+/* Returns bounds of the truth value (1 or 0) of a < b, or of a <= b if `equal` is true: 0 to 1 if
+ * the bounds of a and b do not decide it, NAN if a or b has no value. */
 static struct jet jet_less(struct jet a, struct jet b, bool equal)
 {
     if (interval_empty(a.value) || interval_empty(b.value))

@@ -149,8 +149,10 @@ static struct slot_value slot_lookup(const struct program *p, const double *inpu
     return *value_in_slot(p, frame, slot);
 }
 
-/* Prepares a frame for the program with names at `input`: finds addresses, and computes at once
- * what depends only on fixed values. */
+/* Prepares a frame for the program. `input` [names][PROGRAM_LANES] are the values of the names, and
+ * lanes_of [names] is what is known of them (enum program_lanes), or NULL. Writes the list of
+ * operations with the addresses of their operands and results, and computes those of fixed values
+ * at once instead of listing them. */
 void program_prepare_lanes(const struct program *p, const double *input,
                            const unsigned char *lanes_of, double *frame)
 {
@@ -169,8 +171,8 @@ void program_prepare_lanes(const struct program *p, const double *input,
             const struct slot_value operand =
                 slot_lookup(p, input, lanes_of, frame, i->node.operand[j]);
             next->operand[j] = operand.values;
-            /* - */
-            lanes &= operand.lanes; /* an operation with fewer operands repeats its first one */
+            /* an operation with fewer operands repeats its first one */
+            lanes &= operand.lanes;
         }
         next->once = lanes & LANES_ALIKE && (next->kind == NODE_ONE || next->kind == NODE_TWO);
         next->many = next->kind == NODE_ONE && !next->once ? many_of(i->node.one) : NULL;

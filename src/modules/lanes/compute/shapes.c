@@ -287,11 +287,14 @@ INLINE four_masks turn_lanes(lane_force *force, const double *c, const struct ta
     return evals;
 }
 
-/* Makes `count` steps of the classical method with a compiled force. */
+/* Makes `count` steps of the classical Runge-Kutta method, each of lanes->own_h [s], with a
+ * compiled force. lanes->y holds the states before and after; row, unless NULL, receives the states
+ * after each step, [count][2][LANE_COUNT]. `flags` are those of all terms. */
 INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned flags,
                             struct lanes *lanes, int64_t count, double *row)
 {
     const struct tableau *tableau = lanes->method->tableau;
+    /* the coefficients of the terms follow the time and the N state variables */
     const double *c = lanes->input + (1 + N) * LANE_COUNT;
     four w[LANE_COUNT][RK_WEIGHTS]; /* weights of every fourth lane */
     for (int lane = 0; lane < LANE_COUNT; lane += WIDE)
@@ -303,7 +306,8 @@ INLINE void march_classical(lane_force *force, enum drive_known drive, unsigned 
             UNROLL for (int s = 0; s < 4; s++) cosine[s] =
                 cosine_at(drive, &lanes->drive, 4 * i + s, lane);
             classical_step(force, c + lane, w[lane], cosine, y, z);
-            /* The sign bits of the velocities before and after differ. */
+            /* Negative in lanes whose velocity has changed its sign, because the sign bits differ.
+             * Forces with a kink there (TERM_KINK) need steps that end at the turning point. */
             const four_masks turned = (four_masks)y[1] ^ (four_masks)z[1];
             if (flags & TERM_KINK && lanes->turns &&
                 (turned[0] | turned[1] | turned[2] | turned[3]) < 0) {

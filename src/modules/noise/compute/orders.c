@@ -142,9 +142,9 @@ static struct measured find_order(const struct order_level *level, int levels, b
     return (struct measured){order[n - 1], hypot(chance, order[n - 1] - order[n - 2])};
 }
 
-/* Returns twice the mean of the sum of squares of the scaled variables at the end, after that many
- * steps, without chance: a step of a linear scene is affine, y' = M y + N dW + c(t), so that mean
- * and covariance can be propagated. */
+/* Returns the expected sum of squares of the scaled variables at the end of the span after `steps`
+ * steps, computed exactly, not from sample paths. A step of a linear scene is affine, y' = M y + N
+ * dW + c(t), so that steps without noise give the mean, and the covariance follows from M and N. */
 static double linear_moment(const struct orders_work *work, int64_t steps)
 {
     const struct noise_forcing *forcing = work->request->forcing;
@@ -173,7 +173,8 @@ static double linear_moment(const struct orders_work *work, int64_t steps)
     double sum = 0;
     for (int i = 0; i < n; i++)
         sum += (mean[i] / system->scale[i] * mean[i] / system->scale[i] + c[i * n + i]) / 2;
-    return 2 * sum; /* accounts for a path and its mirror image */
+    /* add_differences() adds half of each square, for a path and again for its mirror image. */
+    return 2 * sum;
 }
 
 /* Replaces the weak differences of a linear scene by exact ones. */

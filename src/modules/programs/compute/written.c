@@ -188,7 +188,8 @@ static bool add_terms(struct written *w, bool as_typed, struct error *error)
     return true;
 }
 
-/* Makes the sums force + drag. Returns false with an error. */
+/* Sets w->split [rows] to the sums of w->force and w->drag, the forces of splittings that apply
+ * both at once; either may be NULL (no such term). Returns false with an error. */
 static bool add_split(struct written *w, struct error *error)
 {
     for (int row = 0; row < w->rows; row++) {

@@ -183,8 +183,10 @@ static bool peak_near(const struct lags *l, double shift, double reach, struct l
     return isfinite(peak->shift);
 }
 
-/* Returns the lag [s] of the first peak that is about as high as the highest one, or NAN if the
- * series does not repeat. */
+/* Returns the lag [s] of the first peak of the correlation whose height (lag_peak.flanks) is at
+ * most correlation_band() below the highest one, or NAN if none exceeds correlation_least(), that
+ * is, if the series does not repeat. Looks beyond the first lag without positive correlation, up to
+ * half of the series. */
 double lags_period(const struct lags *l)
 {
     const size_t half = l->n / 2;

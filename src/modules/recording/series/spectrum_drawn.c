@@ -130,7 +130,8 @@ static bool copy_used(const struct samples *x, struct arena *arena, struct sampl
     return true;
 }
 
-/* Compares the longest step with the usual one. */
+/* Returns true if a step is a gap (usual_step()); false for uniform samples, fewer than 8 samples,
+ * or if out of memory. Sets *memory to false if out of memory, otherwise to true. */
 bool samples_have_gap(const struct samples *x, struct arena *arena, bool *memory)
 {
     double gap, *scratch = x->uniform ? NULL : arena_array(arena, x->n + 1, sizeof *scratch);

@@ -429,11 +429,13 @@ bool autosave_write(struct autosave *autosave, struct error *error)
     return write_until(autosave, NULL, error);
 }
 
-/* Writes if that is due; `line` is true after an executed line. */
+/* Writes the session to its file if that is due. `line` is true directly after a line was executed,
+ * false at other times (autosave_due()). Returns false with an error to be shown. */
 bool autosave_keep(struct autosave *autosave, bool line, struct error *error)
 {
-    /* Lines that follow each other closely are written when as much time has passed as writing
-     * took, so that it uses at most half of the time. */
+    /* Lines wait after a write for as long as that write took, so that writing uses at most half of
+     * the time, or for `interval` if that is shorter or was set by the user. A write that was begun
+     * but not finished (`begun`) continues at once. */
     const bool waits = autosave->wished || autosave->spent > autosave->interval;
     const int64_t pace = waits ? autosave->interval : autosave->spent;
     const bool begun = autosave->stored.unfinished;

@@ -135,9 +135,10 @@ static void sample_inside(const struct solver *s, const double *y_begin, double 
             y[i] = NAN;
 }
 
-/* Samples all grid times more than `tolerance` [s] before the end of a step with dense output,
- * variable by variable, as the polynomial of each is prepared once. Gives the bits of
- * method_dense(). */
+/* Stores in sampler->grid the states at the grid times, from number sampler->next on, that lie more
+ * than `tolerance` [s] before the end of a step of h [s] from t_begin [s], and advances `next`.
+ * Takes one variable after the other, because its dense polynomial then is prepared once. Values
+ * have the same bits as those of method_dense(). */
 static void sample_whole(struct sampler *sampler, double t_begin, double h, double tolerance)
 {
     const struct solver *s = sampler->solver;
@@ -182,8 +183,9 @@ static bool spent(const struct solver *s)
     return s->max > 0 && (solver_cost(s) > s->max || s->steps > s->max);
 }
 
-/* Makes one step, adaptive with a controller (up to the time `end`), fixed if that is NULL, and
- * samples grid times in it if a grid is wanted. */
+/* Makes one step: with a controller an adaptive one, which ends at time `end` [s] at the latest,
+ * without (NULL) one of fixed length. Counts it and, if sampler->grid is set, stores the states at
+ * the grid times within it. Returns the status of the step. */
 static enum step_status solver_step(struct solver *s, struct controller *controller, double end,
                                     struct sampler *sampler)
 {
