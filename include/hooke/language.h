@@ -41,7 +41,9 @@ enum type_flag {
     /* A positional argument that may be left out: a word that is no item of the type is read as the
      * next positional argument. */
     TYPE_MAY_BE_SKIPPED = 256,
-    /* A name before '=' is read as this item, not as a FORM_KEY, as in `let NAME = VALUE`. */
+    /* A positional argument of this type accepts NAME=…, with a NAME that no FORM_KEY of the
+     * command has: NAME is the item, and the text after it is that of the next argument, as in
+     * `let NAME = VALUE`. */
     TYPE_BEFORE_EQUALS = 512,
     TYPE_IS_ANY_KEY = 1024, /* The argument accepts NAME=item with any name. */
     TYPE_IS_FILE = 2048,    /* The item is the name of a file. */
@@ -133,7 +135,8 @@ enum command_flag {
     /* The one command that executes NAME' = EXPR during a run: the variable jumps to the value. */
     COMMAND_JUMPS = 256,
     COMMAND_TABLES = 512, /* The result is a table, which `> FILE` writes. */
-    /* Allowed in a saved session, as are commands that undo takes back. */
+    /* Allowed in a saved session although undo does not take it back; commands with COMMAND_CHANGES
+     * are allowed there anyway. */
     COMMAND_RESTORES = 1024,
     COMMAND_BESIDE = 2048, /* Allowed while a recording is collected. */
 };

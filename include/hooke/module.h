@@ -58,22 +58,25 @@ struct picture_writer {
                   struct buffer *output, struct error *error);
 };
 
-/* Functions that save a module's part (its state in a session) in the session's file, which is a
- * series of records (<hooke/session/stored.h>). Each may be NULL. */
+/* Functions that save and restore a module's part (its state in a session, session_part()) in the
+ * session's file, which is a series of records (<hooke/session/stored.h>). `part` points to
+ * module->part_size bytes. Each function may be NULL. */
 struct module_store {
     /* Appends the fields of the part to the record of the session's state (RECORD_STATE). */
     void (*put)(const void *part, struct buffer *output);
     /* Makes one record of the part's own: the first one, counted from number *next, that the file
      * does not contain; advances *next. Returns false if there is none. */
     bool (*put_next)(const void *part, struct stored *stored, int *next);
-    /* Gives the module's large content, such as the curve of a fit, as two pieces, which are joined
-     * in one record. *sum is set to the address of the part's checksum of that record, which is 0
-     * until the caller has stored the record; store_tools()->bytes() finds it by the checksum.
-     * Returns false if there is no content. At most one module of a build has this function. */
+    /* Sets piece[0] and piece[1] to large content of the part that the file has to contain only
+     * once, such as the curve of a fit; the two slices are written one after the other in one
+     * record. *sum is set to the address of a checksum in the part, where the caller stores the
+     * checksum of that record; it is 0 as long as the content has not been written. After reading,
+     * store_tools()->bytes() finds the content by this checksum. Returns false if there is no
+     * content. At most one module of a build has this function. */
     bool (*content)(void *part, struct text piece[2], uint64_t **sum);
-    /* Marks records in the file as unused if the session does not have their content any more. */
+    /* Marks records in the file as unused if the part does not have their content any more. */
     void (*forget)(const void *part, struct stored *stored);
-    /* Restores the part from the records that were read. */
+    /* Restores the part from the records of a file (<hooke/session/read.h>). */
     void (*read)(struct reader *reader);
 };
 
@@ -102,7 +105,9 @@ struct module_stopped {
 
 /* Functions of the module for the prompt. Each may be NULL. */
 struct module_prompt {
-    /* Called after a typed line was executed, and after each statement of a script. */
+    /* Called after each line that was executed at a prompt or, without a prompt, after each
+     * statement of a script, so that the module can continue its work, such as a lesson, with their
+     * result; may reply. Not called for the commands of events and of saved sessions. */
     void (*typed)(struct session *session, struct reply *reply);
     /*
      * Appends the line to be offered next, which an empty Enter at the prompt executes. Returns
@@ -136,10 +141,13 @@ struct module {
     struct scene_reader reader;
     struct scene_writer writer;
     struct picture_writer pictures;
-    /* Size [byte] of the module's part, which is its state in a session; zeroed when created. */
+    /* Size [byte] of the module's part, its own state in each session, which session_part() makes
+     * with all bytes 0. */
     size_t part_size;
-    void (*part_free)(void *part); /* Frees what the part points to; may be NULL. */
-    /* Returns true if the part refers to the typed model; may be NULL. */
+    /* Frees the memory to which the part points, not the part; may be NULL. */
+    void (*part_free)(void *part);
+    /* Returns true if the part points to this typed model, which then must not be freed; may be
+     * NULL. */
     bool (*part_uses)(const void *part, const struct model *model);
     struct module_store store;
     struct module_labels labels;
@@ -155,13 +163,14 @@ struct module {
      * Returns false if the types of the command's arguments decide instead; may be NULL. */
     bool (*complete)(struct completion *completion, const struct command *command,
                      struct text preceding);
-    /* Functions on series, provided by the module `recording`; else NULL
-     * (<hooke/session/series_tools.h>). */
+    /* Functions on series that the core and other modules call, provided by the module `recording`;
+     * else NULL (<hooke/session/series_tools.h>). */
     const struct series_tools *series;
-    /* Functions for saving parts, provided by the module `resume`; else NULL
-     * (<hooke/session/stored.h>). */
+    /* Functions by which other modules save their parts in the session's file, provided by the
+     * module `resume`; else NULL (struct store_tools in <hooke/session/stored.h>). */
     const struct store_tools *keeps;
-    /* Called after each statement; may be NULL. */
+    /* Called directly after the handler of every statement, even one that failed or was executed by
+     * another statement, and before undo records the change; may be NULL. */
     void (*statement_ended)(struct session *session);
 };
 

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /*
  * plot: figures of a session (runs, recordings, studies), the rows that describe plots, cursors,
- * and the comparison of a recording with a run.
+ * and the comparison of a recording with a run. A study is a command that computes a table of
+ * results from the scene, such as compare or sweep, which stores the table in the session.
  *
  * A caller fills a struct figure_request and calls session_figure(), which returns a struct figure
  * in the arena (<hooke/figure.h>). A new plot is a row of plot_catalog (src/plot/plots.c).
@@ -49,7 +50,7 @@ struct plot_plane {
     double state[LIMIT_VARIABLES]; /* [SI] values of all variables, for those that are not shown. */
 };
 
-/* Functions of a plot that move the point of the cursors on such a plane. */
+/* Functions of a plot on whose plane (struct plot_plane) the cursors move a point. */
 struct plane_row {
     /* Fills *plane with the plane of the last figure of this plot. Returns false if no figure of
      * the current scene was drawn. */
@@ -62,7 +63,8 @@ struct plane_row {
     void (*say)(const struct session *session, const struct plot_plane *plane, struct buffer *text);
 };
 
-/* One kind of curves in the figure of a study, by columns of the study's table. */
+/* One kind of curves in a figure that is drawn from the table of a study; members name columns of
+ * that table. */
 struct study_layer {
     const char *y; /* Column on the vertical axis; NULL ends the layers. */
     /* Only rows with this word in the column "part" are drawn; NULL draws all rows. */
@@ -70,7 +72,7 @@ struct study_layer {
     /* Column whose value is appended to the name of the curve in the legend, or NULL. */
     const char *value;
     const char *named; /* Name of the appended value, such as "slope". */
-    double max;        /* Values above `max` are left out; 0 means no limit. */
+    double max;        /* Values above `max` are not drawn; 0 means no limit. */
     bool line;         /* A line with a gap at each row without numbers; otherwise points. */
     bool guide;        /* A thin straight line from the first to the last row with numbers. */
 };
@@ -115,7 +117,8 @@ struct plot_row {
     enum plot_recorded recorded;
     bool any_recording; /* The plot shows recordings of any quantity if there is no run. */
     bool of_motion;     /* Velocities are computed from the positions of a recording. */
-    /* Draws the residuals of a recording from a fit or a run; NULL for other plots. */
+    /* Draws the differences of a recording from a fit or a run (residuals); NULL for other plots.
+     */
     bool (*residual)(struct drawing *d, const struct recording *recording);
     /* The plot shows results of a study instead of runs; making its figure fails without them. */
     bool of_study;
@@ -124,9 +127,10 @@ struct plot_row {
     const char *command;
     /* Description by which the table of the study is drawn, instead of by figure(); or NULL. */
     const struct study_picture *picture;
-    /* Computes the table of the study, as records of the reply, for method [methods], rows of
-     * method_catalog. With methods = 0 it takes those studied last, or the current method. NULL if
-     * no methods may follow the plot's name. Returns false with `error` set. */
+    /* Executes the study: computes its table, as records of the reply, for method [methods], which
+     * are rows of method_catalog. With methods = 0 it takes the methods that were studied last, or
+     * the current method. NULL if no methods may follow the plot's name. Returns false with `error`
+     * set. */
     bool (*study)(struct session *session, const struct row *const *method, int methods,
                   struct reply *reply, struct error *error);
     bool whole;    /* The axes always contain all points; options for ranges are refused. */
@@ -201,7 +205,7 @@ void view_focus_on(struct view *view, enum plot_kind kind);
 /* A window of time that several plots share. */
 struct figure_window {
     struct axis axis;    /* Common time axis, fixed. */
-    double shown, total; /* Length [s] of the window, and of all times that could be shown. */
+    double shown, total; /* Duration [s] of the window, and of all the time that could be shown. */
 };
 
 /* Range that the user gives for an axis. At an open end the axis ends with the curves; if both ends
@@ -272,12 +276,12 @@ struct figure_request {
     bool whole_spiral; /* A phase plot of a growing or shrinking motion shows all of its periods. */
     /* The window shows the newest part of the run instead of the first one, for a live view. */
     bool follow;
-    /* No other plot shares the time axis, so that periods have to be visible only if this plot
-     * needs it. */
+    /* The screen shows no other plot beside this one. The window may then be longer than one in
+     * which each period is visible, unless this plot needs that (plot_row.periods). */
     bool alone;
     bool running; /* The run is in progress, so that texts must not depend on its present end. */
-    double span;  /* Length [s] of the time shown, or 0 for as much as the width can show. */
-    int pages;    /* The window of a live view (`follow`) moves by span / pages at a time. */
+    double span;  /* Duration [s] of the window, or 0 for as long as the width can show. */
+    int pages;    /* The window of a live view (`follow`) moves in jumps of span / pages. */
     double t_end; /* Time [s] to which the axis extends at least; NAN if unknown. */
     struct figure_peaks *peaks; /* Receives the peaks of spectra; may be NULL. */
     /* Window that all time plots of a screen share, or NULL to choose one for this plot. */
@@ -356,10 +360,12 @@ struct data_distance {
 bool quantity_is_scaled(enum quantity quantity);
 /* Appends the scale that was fitted: "1 V = 2.31 cm, 0 V at y = 1.2 cm". */
 void put_scale(const struct data_distance *data, const struct run *run, struct buffer *text);
-/* Returns true if the unit of a recording is missing or unknown. Its numbers are then taken as
- * positions in metres or radians, which commands that compare them with a run report. */
+/* Returns true if a recording is bare: its unit is missing or unknown. Its numbers are then taken
+ * as positions in metres or radians, which commands that compare them with a run report to the
+ * user. */
 bool recorded_bare(const struct recording *recording);
-/* Appends "has no unit", or "has the unit 'au', which is not known". */
+/* Appends the reason why the recording is bare: "has no unit", or "has the unit 'au', which is not
+ * known". */
 void put_bare(const struct recording *recording, struct buffer *text);
 /* Returns the derivative of a run's first coordinate that was recorded, 0 to 2, or -1 if none; if
  * `run` is NULL, by the recording's quantity alone. */

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
 /* report: runs, events, results of studies and coefficients of methods as tables (struct export),
- * for `export`, `> FILE` and documents. The keys of a table are facts about its origin. Functions
- * that return bool set `error` when they return false; the memory of a table belongs to the arena
- * of its struct export. */
+ * for `export`, `> FILE` and documents. A study is a command that computes a table from the scene,
+ * such as compare or sweep. The keys of a table are the facts about its origin. Functions that
+ * return bool set `error` when they return false; the memory of a table belongs to the arena of its
+ * struct export. */
 #pragma once
 
 #include <hooke/run.h>
@@ -70,16 +71,17 @@ static inline table_format *format_of_kind(const struct row *kind)
 struct result_row {
     struct row row;
     const char *kind; /* Kind of the records of the result; NULL stands for the name of the row. */
-    /* Makes the table from the current state of the session. NULL if the result is instead the last
-     * table of this kind that a command has stored. */
+    /* Makes the table from the current state of the session. NULL if the table is instead the last
+     * one of this kind that a command has stored in the session. */
     bool (*table)(const struct session *session, struct export *export, struct error *error);
-    /* Replies with the records of which the stored table is made anew before each use; NULL if the
-     * table remains that of the last command. */
+    /* Replies with the records from which the stored table is computed again each time it is used,
+     * so that it always describes the current state; NULL if the table remains that of the last
+     * command. */
     void (*say)(const struct session *session, struct reply *reply);
-    /* The result is that of a study: `export FILE table` writes it, unless a run has been made
-     * since. */
+    /* The result is that of a study, a command that computes a table, such as compare. `export FILE
+     * table` writes the result of the last study unless a run has been made since. */
     bool study;
-    const char *type; /* Command that makes such a result, for messages. */
+    const char *type; /* Command that users are told to type if there is no result yet. */
     bool sceneless; /* The result does not depend on the scene, so that its keys omit the scene. */
 };
 
@@ -89,21 +91,22 @@ extern const struct catalog result_catalog; /* Kinds of results, struct result_r
  * as long as the session stores it; one that was made belongs to the arena. */
 bool export_result(struct session *session, const struct row *result, struct export *export,
                    struct error *error);
-/* Returns true if the session has a result for this row of result_catalog. */
+/* Returns true if the session has stored a table for this row of result_catalog. */
 bool result_is_kept(const struct session *session, const struct row *result);
 /* Makes the table of the last study, or of the runs if a run was made since. */
 bool export_latest(struct session *session, struct export *export, struct error *error);
 /* Makes a table with a row for each run. */
 bool export_run_table(const struct session *session, struct export *export, struct error *error);
-/* Stores the table of a result, made from `count` rows by these columns, as the table of `kind` of
- * the statement. For results whose records have other fields than the table. `method` and
- * `reference` are keys beside duration and scene, or NULL. The table is lost if out of memory. */
+/* Stores `count` rows with these columns in the reply, as the statement's table of kind `kind`; for
+ * results whose records have other fields than the table. `method` and `reference` become keys of
+ * the table beside duration and scene; each may be NULL. If out of memory, the table is not stored.
+ */
 void reply_result(const struct session *session, struct reply *reply, const char *kind,
                   const struct result_columns *columns, const void *rows, size_t count,
                   const char *method, const char *reference);
-/* Moves the tables *said, made of a statement's records, to the session as the last results of
- * their kinds. Returns the row of the result of the command named `command`, or NULL if the
- * statement made no table. */
+/* Moves the tables that a statement has made of the records of its reply from *said to the session,
+ * as the last results of their kinds. `command` is the name of the statement's command. Returns the
+ * row of the command's result, or NULL if the statement made no table of it. */
 const struct row *session_keep_results(struct session *session, struct table_store *said,
                                        const char *command);
 
@@ -179,7 +182,8 @@ struct run_record {
     int64_t steps;
     struct cost cost; /* Work of the steps. */
     double kinetic;   /* Kinetic energy [J] if no total energy is known; else NAN. */
-    /* Members `error`, `max`, `t` and `lost` of struct opinion; NAN if unknown. */
+    /* Members `error`, `max`, `t` and `lost` of run->opinion, the estimate of the error of an
+     * adaptive run (struct opinion in <hooke/run.h>); NAN if unknown. */
     double opinion_error, opinion_max, opinion_t, opinion_lost;
     struct ledger ledger;     /* Energy balance. */
     struct run_errors errors; /* Errors against the exact solution, if it is known. */

@@ -150,7 +150,7 @@ struct live {
     double marks[32];
     int mark_count;
     bool pausing; /* Pausing was requested: the run stops after the current slice. */
-    /* The current command may change a run that is not in progress; private. */
+    /* The command `change` is being executed, which sets a value of the current run; private. */
     bool changing;
     bool advancing; /* The current run is being advanced; run->stop is not yet set. */
 };
@@ -218,12 +218,12 @@ struct growing {
 
 struct module;
 
-/* The part of a module: its state in a session, see session_part() in <hooke/module.h>. */
+/* The part of a module is its own state in a session, see session_part() in <hooke/module.h>. */
 struct session_part {
     const struct module *module;
     void *state; /* module->part_size bytes, owned. */
 };
-/* The parts of all modules that have one. */
+/* The parts of all modules whose part has been made. */
 struct session_parts {
     struct session_part item[LIMIT_MODULES]; /* [count] */
     int count;
@@ -302,7 +302,7 @@ struct execution {
     /* A run was paused, so that the remaining statements of the line and file are skipped. */
     bool halted;
     bool reacting; /* Commands of an event are being executed, within the run's statement. */
-    /* The run continues after the commands of the event, so that they do not report each change. */
+    /* The event's commands end in `continue`, so that they do not report each change. */
     bool passing;
     /* A saved session is being read; only statements that recreate a session are allowed. */
     bool restoring;
@@ -317,7 +317,7 @@ struct execution {
 /* A session; owns all of it but the objects of the front end. */
 struct session {
     struct front front;          /* The front end: its callbacks and properties. */
-    struct session_parts *parts; /* State of modules. */
+    struct session_parts *parts; /* State of each module in this session. */
     struct setup setup;          /* Scene, method and settings of the next run. */
     struct definitions definitions;
     struct runs runs;
@@ -488,10 +488,10 @@ void live_advance(struct session *session, struct run *run, const struct run_tar
                   bool clocked);
 /* Sets `state`, `marks` and mark_count of session->live from the current run. */
 void live_refresh(struct session *session);
-/* Applies the value of parameter `param` of the scene to the current run if the run is in progress,
- * is paused and the statement was typed, or is to be changed by the command (live.changing) or
- * event. Sets *t_start to the time [s] of the change, or to NAN if no run is changed. Returns
- * false, with `error` set and the run unchanged, if the run does not allow the change. */
+/* Applies parameter `param` of setup.scene to the current run from its current time on if the run
+ * is in progress or is paused and the statement was typed, and in commands of events and `change`.
+ * Sets *t_start to the time [s] of the change, or to NAN if no run is changed. Returns false, with
+ * `error` set and the run unchanged, if the run does not allow the change. */
 bool live_bind(struct session *session, int param, double *t_start, struct error *error);
 /* Sets state variable `variable` of the current run, which must exist, to a value [SI] by
  * run_kick(). Returns false, with `error` set and the run unchanged, on failure. */

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* figure_arguments: the arguments shared by commands that draw or describe a figure, plot and say,
- * and the figure that they describe. Call choose_figure(), then make_figure(). */
+/* figure_arguments: the arguments that `plot`, which draws a figure, and `say`, which describes it
+ * in words, have in common, and the figure that these arguments describe. Call choose_figure(),
+ * then make_figure(). */
 #pragma once
 
 #include <hooke/command/handler.h>
@@ -26,8 +27,13 @@ bool make_figure(struct session *session, const struct arguments *args,
 bool label_curves(const struct session *session, const struct figure_request *request,
                   struct arena *arena, struct figure *figure, struct error *error);
 
-/* Arguments of both commands, for their rows. WHAT comes before them; arguments that only one of
- * the commands has come behind them. */
+/* Arguments of `plot` and `say`, for the list ARGUMENTS(…) of their rows, made by the macros of
+ * <hooke/command/handler.h>: WORD is an argument `NAME item`, such as `run 2`; KEY one NAME=item,
+ * such as window=0:5s; OPTION one --NAME. The name is followed by the type of the items and by
+ * members of struct argument. ARG_OF allows the columns of a table (`against error of compare`),
+ * ARG_MANY several items, ARG_ALL the word `all`. KEY("NAME", TYPE_SIDE) accepts NAME=FROM:TO with
+ * the name of any variable. In the list the positional argument WHAT is before this macro, and the
+ * arguments that only one of the commands has are after it. */
 #define FIGURE_ARGUMENTS                                                                           \
     WORD("against", TYPE_COLUMN, .flags = ARG_OF), WORD("at", TYPE_EVENT),                         \
         WORD("of", TYPE_CHOICE, .choices = &result_catalog),                                       \

@@ -14,9 +14,13 @@ struct row;
 /*
  * ---- how a command is written ----
  *
- * A file contains, inside `#ifndef COMMAND_ROWS`, functions that begin with HANDLER(name), and
- * below it their rows, COMMAND(name, …). commands.c includes all of them again by commands.def to
- * collect the rows.
+ * A file of commands is compiled by itself and is also included twice by src/command/commands.c,
+ * through src/command/commands.def (files of modules through lists/commands.def). It contains the
+ * handlers, functions that begin with HANDLER(name), inside `#ifndef COMMAND_ROWS`, and below them
+ * a row COMMAND(name, members of struct command) for each. When the file is compiled by itself,
+ * COMMAND is empty, so that only the handlers remain. commands.c defines COMMAND_ROWS and COMMAND:
+ * the first time to declare the handlers, the second time to make the table of all commands
+ * (command_catalog). A command is thus written in one place.
  */
 
 /* Parameters of a handler, see struct command. */
@@ -29,13 +33,16 @@ struct row;
 /* Marks a parameter as unused. */
 #define UNUSED(thing) ((void)(thing))
 
-/* The arguments of a command in its row, made by the macros below. */
+/* The arguments of a command, as members of its row; the parameters are made by the macros below.
+ */
 #define ARGUMENTS(...)                                                                             \
     .argument = (const struct argument[]){__VA_ARGS__},                                            \
     .arguments = (int)COUNT_OF(((const struct argument[]){__VA_ARGS__}))
 
-/* An argument of each form: name, type, then other members that differ from zero, as in PLACE("N",
- * TYPE_INTEGER, .flags = ARG_REQUIRED). */
+/* Arguments of the forms of enum argument_form: a positional one (PLACE), NAME item (WORD),
+ * NAME=item (KEY) and --NAME [item] (OPTION). The parameters are the name, the type, then other
+ * members of struct argument that differ from zero, as in PLACE("N", TYPE_INTEGER, .flags =
+ * ARG_REQUIRED). */
 #define PLACE(...)                                                                                 \
     {                                                                                              \
         .form = FORM_PLACE, .name = __VA_ARGS__                                                    \
@@ -72,8 +79,8 @@ bool value_depends(struct session *session, const struct parser *value);
 void forget_jump_slopes(struct session *session);
 /* Returns a parser for the argument VALUE of a statement NAME = VALUE, for read_value(). */
 struct parser value_parser(struct session *session, const struct arguments *args);
-/* Reads a value of this quantity into *item by parse_value(). Returns false, with `error` set, if
- * there is none or if text remains behind it. */
+/* Reads a value of this quantity into *item by parse_value(). `what` is the name of the value in
+ * messages. Returns false, with `error` set, if there is no value or if text follows it. */
 bool read_value(struct parser *parser, const char *what, enum quantity quantity, struct item *item,
                 struct error *error);
 
@@ -118,8 +125,8 @@ void reply_run_warnings(struct run *run, struct reply *reply);
 void reply_unsound(struct run *run, struct reply *reply);
 /* Adds a note about variables that are so small that none of their digits is reliable. */
 void reply_below_tolerance(const struct run *run, struct reply *reply);
-/* Computes the estimated error of a run (run_second_opinion()) with the effort that the setting
- * opinion allows, if the reply will show it. */
+/* Computes the estimate of the error of a run, also called its opinion (run_second_opinion() in
+ * <hooke/run.h>), with the effort that the setting `opinion` allows, if the reply will show it. */
 void seek_opinion(const struct session *session, struct run *run, const struct reply *reply);
 /* Appends a line about the cost of the error estimate to the text of `plan`. */
 void plan_opinion(const struct session *session, const struct system *system,
@@ -130,8 +137,8 @@ bool reply_opinion(const struct session *session, struct run *run, struct reply 
                    struct error *error);
 /* Warns if variables are so small that their squares, and so the energy, underflow to 0. */
 void reply_tiny(const struct run *run, struct reply *reply);
-/* Warns once per session that a typed scene is integrated by the default method, if the user has
- * not chosen one. */
+/* Warns once per session that a typed scene is integrated by the default method because the user
+ * has not chosen one. */
 void reply_unchosen(struct session *session, struct reply *reply);
 /* Replies once for each typed scene with the values of those settings that the user has not set:
  * the duration if `by_setting` (the statement uses the setting and gives none itself), and the

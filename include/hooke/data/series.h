@@ -62,8 +62,8 @@ struct spectrum_peak {
     struct measured amplitude; /* Amplitude, in the unit of y. */
 };
 
-/* Noise of an energy m v^2/2 + k y^2/2 that is computed from samples with noise sigma of y and gain
- * sigma of v. All members are 0 for a simulation. */
+/* Noise of an energy m v^2/2 + k y^2/2 that is computed from samples whose noise has the standard
+ * deviations sigma of y and gain*sigma of v. All members are 0 for a simulation. */
 struct energy_noise {
     double floor; /* [J] mean energy that the noise adds: sigma^2 (k + m gain^2)/2 */
     /* [J^1/2] samples of an energy E scatter by spread sqrt(E): 2 sigma sqrt(k) */

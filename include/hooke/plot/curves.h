@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* curves: the numbers of curves: which rows of a run are drawn, and the values of columns at these
- * rows. */
+/* curves: the numbers that curves show: which rows of a run are drawn, and the values of a column
+ * of the run (a state variable, an observed quantity or an observable) at these rows. */
 #pragma once
 
 #include <hooke/plot.h>
@@ -10,7 +10,7 @@
  * a selection that looks the same. */
 struct row_request {
     double t_begin, t_end; /* Interval [s]. */
-    /* Number of columns of the screen. */
+    /* Width [screen cell] on which the curve is drawn. */
     int columns;
     double period; /* Period [s] of the motion, NAN if unknown. */
     /* The curve is for a screen. Rows next to the interval are added, so that lines reach the ends.
@@ -31,8 +31,9 @@ struct chosen_rows {
 /* Selects the rows for a curve, in the arena. Returns false, with `error` set, if out of memory. */
 bool choose_rows(const struct run *run, const struct row_request *request, struct arena *arena,
                  struct chosen_rows *rows, struct error *error);
-/* Returns true if the present parameters of the run are those of its start. Parameters that were
- * changed and set back are not detected. */
+/* Returns true if the forces of the run's system are those of its start: no parameter has been
+ * changed, or all were set back. Returns false for a conservative scene whose run sums up work
+ * (plan.ledger), as after a change of a parameter. */
 bool run_never_changed(const struct run *run);
 
 /* Sets values [rows->n] to an observable at these rows. Computes all rows of the run for it if the
@@ -41,7 +42,7 @@ bool run_never_changed(const struct run *run);
 bool values_at_rows(const struct run *run, const struct observable *observable,
                     const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error);
-/* Does the same for a column: a state variable or an observable. */
+/* Does the same for any column: a state variable, an observed quantity or an observable. */
 bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
                     const struct chosen_rows *rows, struct arena *arena, double *values,
                     struct error *error);
@@ -49,8 +50,7 @@ bool chosen_at_rows(const struct run *run, const struct chosen_column *column,
 void state_at_rows(const struct run *run, int i, const struct chosen_rows *rows, double *values);
 /* Returns the observable of this name, or NULL if there is none. */
 const struct observable *observable_named(const char *name);
-/* Returns the first variable at t [s], interpolated between recorded rows, or NAN outside the run.
- */
+/* Returns run_motion() of derivative 0, the first variable at t [s]. */
 double run_position(const struct run *run, double t);
 /* Returns the first coordinate (derivative 0), its velocity (1) or acceleration (2) at t [s],
  * interpolated by Hermite polynomials. Returns NAN outside the run and if a first-order scene has

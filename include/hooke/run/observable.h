@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* observable: quantities of a run that are computed from its recorded rows when something asks for
- * them: observables, errors against the exact solution, and the energy balance. A part of
- * <hooke/run.h>, which includes it. Functions return SI values; they take time for each row, and
- * stop with run->cancel. */
+/* observable: quantities of a run that are computed from its recorded rows on demand: observables,
+ * errors against the exact solution, and the energy balance. A part of <hooke/run.h>, which
+ * includes it. Functions return SI values. Those for all rows take time for each row; they stop
+ * early if run->cancel is set. */
 #pragma once
 
 #include <hooke/scene/formula.h>
@@ -13,8 +13,9 @@ struct run;
 /*
  * ---- observables ----
  *
- * An observable is a function of a recorded row, such as energy or phase-error: a column of
- * exports, an axis of plots, a name in expressions.
+ * An observable is a built-in function of a recorded row, such as energy or phase-error: a column
+ * of exports, an axis of plots, a name in expressions. An observed quantity, in contrast, is an
+ * expression that the user has defined for a typed scene by a line `observe NAME = EXPR`.
  */
 struct sample { /* One row of a run, or its current state, as the argument of an observable. */
     const struct run *run;
@@ -34,15 +35,15 @@ struct sample { /* One row of a run, or its current state, as the argument of an
 
 /* Requirements of an observable, combined by |. */
 enum observable_need {
-    NEED_EXACT = 1,     /* A closed-form solution. */
-    NEED_WORK = 2,      /* The work since the start. */
+    NEED_EXACT = 1,     /* The exact solution of the scene, in sample.exact. */
+    NEED_WORK = 2,      /* The work since the start, in sample.work. */
     NEED_MECHANICS = 4, /* A second-order scene: mass, forces, energy. */
     /* A linear oscillation about an equilibrium: a linear spring with stiffness > 0, and no other
      * force than those of struct oscillator. */
     NEED_CENTRE = 8,
-    NEED_LINE = 64, /* One coordinate, in metres. */
-    /* A scene that is not conservative. In conservative ones the observable is 0, and lists may
-     * leave it out. */
+    NEED_LINE = 64, /* A scene with one coordinate, which is a length. */
+    /* A power or work of forces without a potential, which is always 0 in a conservative scene. The
+     * observable is defined there nevertheless, as 0, but lists may leave it out. */
     NEED_POWER = 32,
     /* A system whose potential energy is known (member `energy` of struct system). */
     NEED_ENERGY = 128,
@@ -56,8 +57,7 @@ struct observable {
     /* Name (t, y, v, a, energy, kinetic, potential, dissipated, power, error, phase-error, …), SI
      * unit, description, source. */
     struct row row;
-    /* Quantity in scenes of the oscillator; observable_quantity() returns the one for any system.
-     */
+    /* Quantity in scenes of the oscillator; see observable_quantity() for any system. */
     enum quantity quantity;
     /* Flags of enum observable_need. */
     unsigned needs;
@@ -95,56 +95,58 @@ bool run_column(const struct run *run, const struct observable *observable, doub
                 struct error *error);
 /* Copies state variable i (0 … n - 1) of all rows of the trace to values [trace_count]. */
 void run_variable_column(const struct run *run, int i, double *values);
-/* Return the values of observed quantity i (an `observe` line) of a typed scene:
- * run_observed_column() for all rows, in values [trace_count]; run_observed() at the current state.
- */
+/* Return the values [SI] of observed quantity i of a typed scene (its `observe` line number i, from
+ * 0): run_observed_column() for all rows, in values [trace_count]; run_observed() at the current
+ * state. */
 void run_observed_column(const struct run *run, int i, double *values);
 double run_observed(const struct run *run, int i);
 /* Returns the observable at the run's current state, or NAN if it is not defined. */
 double run_observable(const struct run *run, const struct observable *observable);
-/* Makes *scope the scope of names for expressions at the run's current state: state variables,
- * then observed quantities, then observables (energy-error is also energy_error), with slots from
- * 0 to run_scope_slots() - 1. A caller that has more names wraps the callbacks find, load and
- * offer of *scope. Returns false if `run` is NULL. */
+/* Makes *scope the scope of names for expressions at the run's current state: state variables, then
+ * observed quantities, then observables (energy-error is also energy_error). Their slots are the
+ * numbers from 0 to run_scope_slots() - 1. A caller that has more names wraps the callbacks find,
+ * load and offer of *scope. Returns false if `run` is NULL. */
 bool run_scope(const struct run *run, struct expr_scope *scope);
 int run_scope_slots(const struct run *run);
 
-/* Kind of a slot of run_scope(): the time, a state variable, or any other function of them. */
+/* Kind of the name that has a slot of run_scope(): the time, a state variable, or another quantity
+ * that changes during the run, which is a function of these. */
 enum moving_kind { MOVING_TIME, MOVING_STATE, MOVING_OTHER };
 
-/* A slot of run_scope(), described by its kind. */
+/* The name of a slot of run_scope(), whose value moves (changes) during the run. */
 struct moving {
     enum moving_kind kind;
     int index; /* Index of the state variable for MOVING_STATE, 0 for MOVING_TIME, else the slot. */
 };
 
-/* Returns kind and index of a slot of run_scope(). */
+/* Returns the kind and the index of the name with this slot of run_scope(). */
 struct moving run_scope_moving(const struct run *run, int slot);
 /* Returns the largest speed of the first coordinate in the rows from t_begin to t_end [s]. Only for
  * second-order scenes. */
 double run_speed_max(const struct run *run, double t_begin, double t_end);
 
-/* The energy balance (ledger): the largest |E - E0 - W|/E0 after any step, recorded or not, where W
- * is the work since the start of drag and drive (0 for conservative scenes, for which it is not
- * computed), of jumps, and of changes of parameters. In each step W is the integral of the power
- * along the quintic Hermite interpolant of both states. run_ledger() sums W up from the step at
- * which its last call ended; steps without rows are computed again or, where that is not possible,
- * their work is added during the run. If E0 = 0 the largest |E| so far replaces it as the unit. The
- * balance is NAN if that is 0, too, for first-order scenes, and if settings.unbalanced has switched
- * it off. */
+/* Energy balance of a run, also called ledger. With E0 the energy at the start, E that after a
+ * step, and W the work since the start, its error is (E - E0 - W)/E0, tested after each step,
+ * recorded or not. W is the work of drag and drive (0 in conservative scenes), of jumps of the
+ * state, and of changes of parameters; in each step it is the integral of the power along the
+ * quintic Hermite interpolant of the states at both ends. If E0 = 0, the largest |E| so far
+ * replaces E0 as the unit. The errors are NAN if that is 0, too, in first-order scenes, and if
+ * settings.unbalanced has switched the balance off. */
 struct ledger {
     double initial;   /* Energy E0 [J] at the start. */
     double final;     /* Energy E [J] at the end. */
     double work;      /* Work W [J] at the end. */
-    double error;     /* (E - E0 - W)/E0 at the end */
+    double error;     /* Error (E - E0 - W)/E0 at the end. */
     double error_max; /* Largest magnitude of `error` at any time so far. */
     double factor;    /* E/E0 at the end, also if both energies are too small for a double. */
 };
-/* Computes the balance of a run. */
+/* Computes the balance of a run. Repeated calls only process the steps since the last call. Steps
+ * that were not recorded are computed again or, if that is not possible, their work was added
+ * during the run. */
 void run_ledger(const struct run *run, struct ledger *ledger);
-/* Computes the balance of a run in bounded time. Short runs get the full balance; for longer ones
- * work and error are NAN, and error_max is the largest in a sample of rows if no work is done, else
- * NAN. */
+/* Computes the balance of a run in bounded time. Short runs get the full balance. For longer ones
+ * `work` and `error` are NAN, and error_max is the largest error in a sample of rows, or NAN if
+ * forces do work. */
 void run_ledger_brief(const struct run *run, struct ledger *ledger);
 /* Returns true if the method, not the scene, has made the energy grow more than a hundredfold. */
 bool run_is_unstable(const struct run *run);
@@ -152,8 +154,8 @@ bool run_is_unstable(const struct run *run);
  * reason of its last stop (run->stop). */
 const char *run_status(const struct run *run);
 /* Returns the ratio of the largest energy of a row to that at the start, if the motion went through
- * far larger energies than at its start and end; otherwise NAN. A ledger error in units of E0 has
- * to be compared with this ratio. Reads all rows. */
+ * far larger energies than at its start and end; otherwise NAN. An error of the energy balance in
+ * units of E0 has to be compared with this ratio. Reads all rows. */
 double run_energy_peak(const struct run *run, const struct ledger *ledger);
 
 /* Errors against the exact solution over the recorded rows, in units of the amplitude

@@ -22,8 +22,9 @@ struct run_work {
     /* The trial reached the end of the run, or stopped by itself, so that its counts are those of
      * the run. */
     bool whole;
-    /* Number of evaluations of the second solution (for the estimated error), and of the solutions
-     * that follow the errors of variables that have come to rest. */
+    /* Numbers of evaluations for the estimated error: those of the second solution, and those of
+     * further solutions that find how errors of variables that have decayed to values below the
+     * tolerance grow again. */
     double second_evals, rest_evals;
     /* Number of rows that are compared with the closed form in place of a second solution. */
     double second_rows;
@@ -39,8 +40,8 @@ struct run_scenario {
     const struct run_settings *settings;
     const struct plan *plan;
     double span; /* Duration [s] of the run; infinite if it has no end. */
-    /* Effort for the estimated error: 0 for none, 1 for a second solution within its budget, 2 for
-     * one to the end of the run. */
+    /* Effort for the estimated error, also called opinion (struct opinion in <hooke/run.h>): 0 for
+     * none, 1 for a second solution within its budget, 2 for one to the end of the run. */
     int opinion;
     /* Events are searched for. */
     bool events;

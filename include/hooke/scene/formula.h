@@ -40,9 +40,9 @@ struct expr_scope {
     double (*load)(const void *context, int slot);
     /* Offers every known name to suggestion_offer(); may be NULL. */
     void (*offer)(const void *context, struct suggestion *suggestion);
-    /* Set by scopes that contain other names than those of a run: returns the slot that a name has
-     * in the run's own scope (run_scope()), or -1 for a name that is constant during the run. NULL
-     * if all slots are those of run_scope(). */
+    /* Returns the slot that a name has in the scope of the run (run_scope()), whose values move
+     * (change) during the run, or -1 for a name that is constant during the run. Set by scopes that
+     * contain other names than those of a run; NULL if all slots are those of run_scope(). */
     int (*moving)(const void *context, int slot);
     /* Returns the quantity of a name, or QUANTITY_OTHER if unknown. If this is set, numbers and
      * parentheses may carry units; if it is NULL, an expression ends before a unit. */
@@ -59,7 +59,7 @@ extern const struct catalog function_catalog;
  * ends at a unit, a comma, a colon, "+-", a comparison or the end. The result is in memory of the
  * arena. `scope` may be NULL for constants only. Returns NULL, with `error` set, at an unknown
  * name, a malformed number, a missing operand or parenthesis, a sum of different dimensions, or if
- * it is too large. */
+ * the expression has too many operations. */
 const struct expr *expr_compile(struct text text, const struct expr_scope *scope,
                                 struct arena *arena, size_t *used, struct error *error);
 /* Returns the dimension of an expression. A unit in it belongs to the number or parenthesis before
@@ -91,8 +91,8 @@ struct interval {
     double lo, hi;
 };
 
-/* Bounds of a function of one argument, and of its first (`slope`) and second derivative (`bend`),
- * over an interval of the argument. */
+/* Bounds of a function of one argument, and of its first derivative (`slope`) and its second one
+ * (`bend`), over an interval of the argument. */
 struct jet {
     struct interval value, slope, bend;
 };
@@ -131,7 +131,7 @@ struct root_search {
      * known; the search leaves the sign of the last nonzero value in the interval. */
     int sign;
 
-    /* Numbers of calls of bounds() and of zeros found, results of the search. */
+    /* Results of the search: numbers of calls of bounds() and of zeros found. */
     int used, count;
     bool unsure; /* Zeros at x > unsure_from may have been missed. */
     double unsure_from;
@@ -250,11 +250,12 @@ double program_eval(const struct program *program, const double *input, double *
 struct leading {
     double first, second;
 };
-/* The function of a program, for kernels that call it directly. x0, x1 and x2 are the values of
- * names 0, 1 and 2 (t and two variables, which so need no memory); further names of the state are
- * in `state`, where state[i - 1] is name i; the names after the state (parameters of a typed term)
- * are in `steady`. Outputs 0 and 1 are returned in registers (the second is arbitrary if there is
- * only one), further ones are stored in `output`. Arrays that are not used may be NULL. */
+/* The function of a program, for kernels that call it directly. The names have the numbers 0 (t), 1
+ * to n (state variables) and above (parameters of a typed term). x0, x1 and x2 are the values of
+ * names 0, 1 and 2, which are passed in registers instead of an array. `state` is the array of the
+ * state, where state[i - 1] is name i, from which further state variables are read; `steady` is the
+ * array of the parameters. Outputs 0 and 1 are returned in registers (output 1 is arbitrary if
+ * there is only one), further ones are stored in `output`. Arrays that are not used may be NULL. */
 typedef struct leading program_function(const struct program *program, double x0, double x1,
                                         double x2, const double *state, const double *steady,
                                         double *output, double *frame);

@@ -324,20 +324,22 @@ struct system {
     /* Kinetic and potential energy are known. False if typed forces have no potential: then only
      * the kinetic energy is. */
     bool energy;
-    /* Number of switches, first those of typed equations, then that of dry friction. Each has
-     * branches on which the system can be frozen (system_freeze()). */
+    /* Number of switches: expressions at whose sign or integer part a force changes its formula,
+     * first those of typed equations, then that of dry friction. The formulas on the two sides of a
+     * switch are its branches. A frozen system (system_freeze()) uses one branch of each switch for
+     * all states, so that it is smooth. */
     int switches;
-    /* Set in frozen systems whose frozen branch may have values at states where the equations have
-     * none: steps then also evaluate the system that is not frozen. */
+    /* Frozen on one branch: its formula is also evaluated beyond the switch, where the real
+     * equations may be undefined; whether a state is valid is tested on the unfrozen system. */
     bool extended;
     bool dry; /* The last switch is that of dry friction, at v = 0; false if steps go across it. */
-    /* Steps of fixed size end at switches, as adaptive ones do. False if they go across switches,
-     * or if the system is frozen. */
+    /* Steps of fixed size end at switches, as adaptive ones do, so that each piece of a step is on
+     * one branch. False if steps go across switches, or if the system is frozen. */
     bool pieces;
-    /* The sliding motion along switches of a frozen system, or NULL; owned by the maker of the
-     * system. */
+    /* The motion along the switches on which a frozen system slides (keeps the argument of the
+     * switch at 0), or NULL; owned by the maker of the system. */
     const struct sliding *sliding;
-    bool kinks; /* n = 2, and some force is not smooth at v = 0 and not frozen there. */
+    bool kinks; /* n = 2, and some force has a kink at v = 0 and is not frozen there. */
     /* Methods take steps across the kinks of `kinks` instead of ending a step there, as in
      * textbooks. */
     bool steps_across_kinks;

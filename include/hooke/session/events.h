@@ -33,9 +33,10 @@ struct events {
     struct event_line line[LIMIT_EVENTS];
 };
 
-/* Makes a list of the events of the current set-up and an event with the name and action of `line`,
- * the condition `when` and `commands`; it replaces one of the same name. Texts are copied. Returns
- * the list, which the session owns, or NULL with `error` set. */
+/* Makes a new list: the events of the current set-up without the one that has the name of `line`,
+ * if there is one, followed by an event with the name and action of `line`, the condition `when`
+ * and the commands `commands`. Texts are copied. Returns the list, which the session owns, or NULL
+ * with `error` set. The set-up is not changed. */
 const struct events *events_with(struct session *session, const struct event_line *line,
                                  struct text when, struct text commands, struct error *error);
 /* Sets *events to a list of the events of the current set-up without the one of this name, or to
@@ -44,13 +45,15 @@ const struct events *events_with(struct session *session, const struct event_lin
 bool events_without(struct session *session, struct text name, const struct events **events,
                     struct error *error);
 void events_destroy(struct events *events); /* Frees a list and all older ones. */
-/* Frees the lists for which used(session, events) returns false. Does nothing as long as there are
- * few lists, like typed_sweep(). */
+/* Frees the lists for which used(session, events) returns false. So that each call is cheap, it
+ * does nothing until the session has SWEEP_FROM (<hooke/scene/typed.h>) more lists than twice the
+ * number that the last sweep left. */
 void events_sweep(struct session *session,
                   bool (*used)(const struct session *session, const struct events *events));
 
 /* Appends the command that defines the event: "event top when x*y - beta*z falling do record". With
- * as_stop it ends in "do stop" in place of commands. */
+ * as_stop, "do stop" replaces the commands of an EVENT_COMMANDS, so that a run with the event stops
+ * where the commands would be executed, without executing them. */
 void event_describe(const struct event_line *line, bool as_stop, struct buffer *text);
 /* Appends the commands that define all events of a list, which may be NULL; as_stop is that of
  * event_describe(). */

@@ -9,8 +9,9 @@
 /* ---- the journal of a run (journal.c) ---- */
 
 /* Requests that a run was given since its start, by which undo, saved sessions and `record` can
- * make the run again, bit for bit. Slices and pauses do not change the rows, so that they are not
- * requests; a pause appears only as the step at which the next request was given. */
+ * make the run again, bit for bit. A live run is advanced in short slices of time and may be paused
+ * between them. Neither changes the recorded rows, so that slices and pauses are not in the
+ * journal; the step of a pause is known only from the request that was given there (start_step). */
 
 /* Kinds of requests. */
 enum request_kind {
@@ -23,13 +24,14 @@ enum request_kind {
     REQUEST_BACK,
 };
 
-/* A request, linked to the one before it. Several lists may share their first requests, which then
- * do not change: the run and all undo entries share what they have in common, so that a new undo
- * entry costs only a reference. */
+/* A request, linked to the one before it, so that a list is known by its last request. Several
+ * lists may begin with the same requests, which they share and which must not be changed: a run and
+ * the undo entries that contain it have lists of their own for only the requests in which they
+ * differ. A new undo entry therefore only costs a reference. */
 struct request {
     enum request_kind kind;
-    int64_t start_step; /* Step of the run at which it was given. */
-    double from_t;      /* Time [s] at which it was given. */
+    int64_t start_step; /* Step of the run at which the request was given. */
+    double from_t;      /* Time [s] of the run at which the request was given. */
     /* Target time [s] of REQUEST_GO; T_UNREACHABLE with either sign if there is none. */
     double t;
     /* Step at which a REQUEST_GO ends, INT64_MAX if it has none; step to which a REQUEST_BACK went
@@ -40,15 +42,16 @@ struct request {
     int param; /* Index of the parameter of REQUEST_SET, or of the variable of REQUEST_KICK. */
     /* New value [SI] of REQUEST_SET and REQUEST_KICK. */
     struct measured value;
-    bool by_event; /* It was given by the commands of an event. */
+    bool by_event; /* The request was given by the commands of an event. */
     int64_t rows;  /* Number of rows of REQUEST_BACK. */
 
     /* Private to journal.c. */
-    /* Number of owners of this request, and of requests from the first one to this one. */
+    /* `references` is the number of owners of this request, `count` the number of requests in the
+     * list from the first one to this one. */
     int references, count;
-    bool backs; /* `count` requests include a REQUEST_BACK. */
+    bool backs; /* One of the requests from the first one to this one is a REQUEST_BACK. */
     struct request *previous;
-    const struct request *go; /* The latest REQUEST_GO before it. */
+    const struct request *go; /* The latest REQUEST_GO before this request. */
 };
 
 /* Adds a request to the run's journal; `condition`, which may be empty, is copied as its condition.
@@ -92,7 +95,7 @@ void journal_scene(const struct run_slot *slot, bool by_events, struct scene *sc
 /* Returns true if one of the requests from index `first` on was not made by an event. */
 bool journal_changed(const struct run_slot *slot, int first);
 /* Brings the run to the state, step `steps` at time t [s], that it had with the journal that ends
- * at `last`. That journal, which may have its first requests in common with the run's own, replaces
+ * at `last`. That journal, which may begin with the same requests as the run's own one, replaces
  * it. Returns false if out of memory; the run then keeps its own journal. */
 bool journal_restore(struct session *session, struct run_slot *slot, struct request *last,
                      int64_t steps, double t);
@@ -178,14 +181,15 @@ bool record_append(struct session *session, size_t first, struct error *error);
 /* Appends the commands that choose the preset of a scene and type its lines, without parameters. */
 void scene_kind_script(const struct scene *scene, struct buffer *text);
 
-/* ---- fields of a recording that commands change, and that undo and saving restore (save.c) ----
- */
+/* ---- saving the session (save.c) ---- */
 
-/* Number of periods that the phase plot shows in a new session; another number is saved. */
+/* Number of periods that the phase plot shows in a new session (view.trail). Saving writes the
+ * command `trail` only for another number. */
 #define VIEW_TRAIL_PERIODS 2
 
+/* Number of members of struct recording that commands change, and that undo and saving restore. */
 #define RECORDING_FIELDS 5
-/* One such field. */
+/* One of these members, in the table recording_fields. */
 struct recording_field {
     struct field field; /* The member of struct recording. */
     /* Appends the command that sets the field; NULL if the field has none because that command

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* subject: the series on which the commands measure, fit, export and plot act: a run, a recording
- * or a part of one. Also what is known about it, and columns of runs by name. */
+/* subject: the series on which the commands measure, fit, export and plot act (the subject): a run,
+ * a recording or a part of one. Also what is known about the series, and columns of runs by name.
+ */
 #pragma once
 
 #include <hooke/data/series.h>
@@ -97,10 +98,11 @@ struct data_motion {
     double omega;        /* Angular frequency [rad/s] of the oscillation, NAN if there is none. */
     enum quantity quantity; /* Quantity of v. */
     const struct cancel *cancel;
-    /* Standard deviation [1/s] of v if the positions have independent noise of standard deviation
-     * 1. */
+    /* Ratio [1/s] of the standard deviation of the noise of v to that of y, for independent noise
+     * of the positions y. */
     double gain;
-    /* Fraction of v that smoothing removes; 0 if v comes from the sensor. */
+    /* Fraction of the amplitude of v that is lost because v is computed from y by local parabolas,
+     * which smooth it; 0 if v comes from the sensor. */
     double loss;
     struct measured mass, k; /* Mass [kg] and stiffness [N/m] used for the energy. */
     struct energy_noise noise;
