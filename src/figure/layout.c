@@ -138,8 +138,9 @@ static void fit_ticks(const struct figure *figure, struct figure_layout *layout,
     } while (ticks->count && !(vertical ? y_labels_fit : x_labels_fit)(figure, layout));
 }
 
-/* Extends the shorter range about its middle until a unit has the same length on both axes. Does
- * nothing if a range would overflow. */
+/* Extends the range of one axis about its middle until a unit has the same length on both axes.
+ * Lengths are in columns of characters; a row is `aspect` columns high. Does nothing if a range
+ * would exceed RANGE_VALUE_MAX. */
 static void equalise_axes(const struct figure *figure, struct figure_layout *layout)
 {
     struct dot_grid grid = layout->charset->dots;

@@ -74,9 +74,11 @@ struct argument_progress {
     const struct item *number; /* the last item if it was a number, else NULL */
 };
 
-/* Reads the value of argument `index`, or several separated by commas, from the parser. `start` is
- * where the argument begins in the line, for messages. Returns false with an error if the value is
- * malformed or missing, or if an argument that excludes this one was given. */
+/* Reads the value of the argument number `index` from the parser, or several values separated by
+ * commas if it is ARG_MANY. `start` is where the argument begins in the line, for messages. Sets
+ * progress->number to the last value if that is a number, else to NULL, and progress->open to
+ * `index` if more values may follow a word, else to -1. Returns false with an error if a value is
+ * malformed or missing, or if an argument of the same group was given. */
 static bool read_argument_value(struct argument_progress *progress, int index, const char *start,
                                 struct error *error)
 {

@@ -5,8 +5,10 @@
 
 #include <string.h>
 
-/* Reads the rest of the statement as the value of a setting into `settings`. Returns false with an
- * error, which lists the choices if there are any, and leaves `settings` unchanged then. */
+/* Reads the rest of the statement as the value of a setting into `settings`, at the setting's
+ * offset: by its own function `parse`, as the name of one of its choices, or as a number with a
+ * unit between `min` and `max`. Returns false with an error, which lists the choices if the name is
+ * unknown, and leaves `settings` unchanged then. */
 bool setting_read(const struct setting *setting, struct parser *parser, struct settings *settings,
                   struct error *error)
 {

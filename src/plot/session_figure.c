@@ -314,6 +314,7 @@ const char *drawing_y_label(const struct drawing *d, int panel)
     return label;
 }
 
+/* Marks the end of curve 0 if it is the run's current state, not only the end of a window. */
 static void mark_current_state(const struct drawing *d, struct figure *figure)
 {
     if (d->request->runs == 0 || d->curve[0].n == 0)
@@ -321,7 +322,6 @@ static void mark_current_state(const struct drawing *d, struct figure *figure)
     const struct curve *curve = &d->curve[0];
     const struct trace *trace = request_run(d, 0)->trace;
     const double *t = curve->t ? curve->t : curve->x;
-    /* not the end of a window */
     figure->has_point = t[curve->n - 1] == trace_time(trace, trace_count(trace) - 1);
     figure->point[0] = curve->x[curve->n - 1];
     figure->point[1] = curve->y[curve->n - 1];

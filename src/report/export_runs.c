@@ -119,9 +119,11 @@ static bool same_model(const struct session *session, const int *index, int coun
     return true;
 }
 
-/* Makes a table of the runs that were asked for (the current one by default): a row for each
- * recorded time that `every` keeps, the columns t and those of `column`. Returns false with an
- * error if there is no run, if runs have different variables, or if out of memory. */
+/* Sets export->table to a table of the given runs (the current one if none is given), in
+ * export->arena: a row for each recorded time that `every` selects, with columns t and those of
+ * `column`; several runs follow each other, with the number of the run as first column. Returns
+ * false with an error if there is no run, if runs have different variables, if an argument is
+ * invalid, or if out of memory. */
 bool export_runs(const struct session *session, const struct argument_value *runs,
                  const struct argument_value *column, const struct argument_value *every,
                  struct export *export, struct error *error)

@@ -261,7 +261,8 @@ static bool stored_table_finish(struct stored_table *stored)
     return ok;
 }
 
-/* Moves the tables of `source` that wanted() accepts to `store`; the others are freed. */
+/* Moves the tables of `source` that wanted() accepts to `store`, after finishing those that still
+ * grow. Frees the others, also those for which memory is missing, and `source`. */
 void table_store_take(struct table_store *store, struct table_store *source,
                       bool (*wanted)(void *context, struct stored_table *stored), void *context)
 {

@@ -65,9 +65,10 @@ static struct propagator *propagator_for(struct run *run, double h)
     return p->propagator;
 }
 
-/* Gives the propagator the state at the beginning of the block of `step`, if it does not know it
- * and the trace has it: after run_back() the run may be in the middle of a block. The state must
- * belong to the present epoch. */
+/* Gives the propagator the state at the beginning of the block that contains `step`, if the
+ * propagator lacks it and the trace has it: after run_back() the run may be in the middle of a
+ * block. The state must belong to the present epoch, because earlier ones had another scene or
+ * step. */
 static void propagator_block_find(struct run *run, const struct segment *segment, int64_t step)
 {
     struct propagator *propagator = run->private_state->propagator;

@@ -78,8 +78,8 @@ static double frozen_branch(const struct system *frozen, int i)
     return 0;
 }
 
-/* Freezes dry friction in the direction that it has for velocities above 0 (branch 1) or below
- * (0). */
+/* Replaces dry friction in `frozen` by the force that it exerts at velocities above 0 (branch 1) or
+ * below 0 (branch 0), without its jump at 0. */
 static void freeze_dry(double branch, struct system *frozen)
 {
     const double sign = branch > 0 ? 1 : -1;

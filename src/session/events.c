@@ -68,8 +68,9 @@ void events_sweep(struct session *session,
     session->definitions.event_lists_left = session->definitions.event_lists;
 }
 
-/* Returns a list with the line added, which replaces one of the same name; NULL with the error
- * set. */
+/* Returns a copy of the session's list of events with `line` added, whose condition is `when` and
+ * whose commands are `commands`; it replaces an event of the same name. The session owns the list.
+ * Returns NULL with an error if there are already LIMIT_EVENTS or if out of memory. */
 const struct events *events_with(struct session *session, const struct event_line *line,
                                  struct text when, struct text commands, struct error *error)
 {

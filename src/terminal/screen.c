@@ -153,7 +153,9 @@ bool panes_possible(struct error *error)
     return true;
 }
 
-/* Takes the terminal: modes, size, bracketed paste. Returns false if ncurses cannot. */
+/* Takes over the terminal with ncurses: sets its modes, finds its size, switches bracketed paste on
+ * (BE), and arms the handlers that restore it after a crash. Returns false if ncurses cannot use
+ * the terminal. */
 bool screen_begin(struct terminal_screen *screen)
 {
     crash_modes();

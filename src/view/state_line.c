@@ -159,7 +159,8 @@ static void put_method(struct buffer *output, const struct session *session,
         put_step(output, &next, form);
 }
 
-/* Appends the line in one form, with at most `parameters` parameters. */
+/* Appends the state line with the parts that `form` selects: scene, at most `parameters`
+ * parameters, method and progress, with bars between them if form->blanks. */
 static void put_line_form(struct buffer *output, const struct session *session,
                           const struct line_form *form, int parameters)
 {

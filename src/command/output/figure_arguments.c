@@ -60,8 +60,9 @@ static bool is_method(const struct item *item)
     return item->row && item->row == catalog_find(&method_catalog, item->text);
 }
 
-/* Chooses the methods behind the name of a study's plot, each once. Returns false with the error
- * set. */
+/* Reads a study's plot and the methods behind its name into request->kind and request->method
+ * [request->methods], each method once. Returns false with the error set if another word follows or
+ * if out of memory. */
 static bool choose_methods(const struct arguments *args, struct figure_request *request,
                            struct error *error)
 {

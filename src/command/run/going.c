@@ -149,8 +149,11 @@ static bool may_continue(struct session *session, const struct run *run, struct 
     return advance->force = allow_long(session, advance->left, more, false, &ignored);
 }
 
-/* Advances the run in slices, live while a person watches, else with progress, until the target is
- * reached or the run has stopped. */
+/* Advances the run until the target is reached or the run has stopped. While a person watches it is
+ * shown live, by the clock if `clocked` and the command was typed. Otherwise it advances in slices
+ * of SLICE_NS; after each, progress is shown (the fraction, or -1 without a target time; 2 at the
+ * end erases it), and a run that takes too long is given up unless the user allows it. `pace` is
+ * where the previous slice ended. */
 static void run_to_target(struct session *session, struct run *run, struct advance *advance,
                           bool clocked)
 {

@@ -66,7 +66,7 @@ static void help_command(const struct row *row, struct buffer *text)
             buffer_format(text, " %.*s", (int)word.len, word.data);
 }
 
-/* Appends "NAME [UNIT], a parameter of pendulum: …"; the oscillator is not named. */
+/* Appends "NAME [UNIT], KIND of MODEL: BRIEF" for a row; the oscillator is not named as model. */
 static void put_kind(struct buffer *text, const struct row *row, const char *kind,
                      const struct model *model)
 {

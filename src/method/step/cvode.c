@@ -201,7 +201,9 @@ static enum step_status cvode_take_state(struct cvode *c, struct step *step)
     return step_finish(step, N_VGetArrayPointer(c->y));
 }
 
-/* Takes one step of CVODE's choice, after a restart if the state was changed from outside. */
+/* Takes one step of a length that CVODE chooses, towards t_end [s]. Restarts CVODE first if the
+ * state was changed from outside (step->warm is false) or if the direction of time has changed.
+ * Returns the status of the step. */
 enum step_status cvode_adapt(const struct method *method, struct step *step,
                              struct controller *controller, double t_end)
 {

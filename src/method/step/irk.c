@@ -138,7 +138,9 @@ static bool estimate_again(const struct implicit_tableau *tableau, struct step *
     return sqrt(sum / system->n) <= step->tol || coupled_estimate(tableau, step, state, z, own);
 }
 
-/* Takes a step of a method whose stages are solved all at once. */
+/* Takes a step of a method whose stages are solved all at once: solves for their increments z,
+ * estimates the error in step->error if that is wanted, and adds the weighted sum of z to the
+ * state. Returns the status; STEP_NO_SOLUTION if the estimate fails. */
 static enum step_status coupled_step(const struct implicit_tableau *tableau, struct step *step)
 {
     const struct newton equations = newton_of(tableau, newton_stages, step->system);

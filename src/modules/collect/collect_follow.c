@@ -24,8 +24,8 @@ int collect_own_place(const struct session *session)
     return -1;
 }
 
-/* Adds the recording of the first readable rows to the session, as the growing one. Frees it if out
- * of memory. */
+/* Adds `recording`, the first readable rows, to the session as the growing recording, in place of
+ * one of the same name. Takes over the recording, and frees it if out of memory. */
 static void show_first_rows(struct collection *c, struct recording *recording)
 {
     struct error ignored;

@@ -181,8 +181,8 @@ static double *values_of(const struct argument_value *args, struct arena *arena)
     return values;
 }
 
-/* Moves the runs into the session. Returns false with an error if that fails; the runs that were
- * not moved are freed then. */
+/* Moves the runs of rows [count] into the session, which owns them then. Returns false with an
+ * error if that fails; runs that were not moved are freed then. */
 static bool move_runs(struct session *session, struct comparison *rows, int count,
                       struct error *error)
 {

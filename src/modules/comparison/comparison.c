@@ -23,7 +23,10 @@ const struct precision *session_precision(const struct session *session)
     return part ? part->precision : NULL;
 }
 
-/* Fills in the methods that the statement names, each with its variant of drag. */
+/* Fills choice [*count] with the methods that the statement names, or keeps those in it if none is
+ * named. Each named one gets the drag variant `usual` if it has that, otherwise its own. drag=
+ * replaces the variants: one value for all methods that know it, and for a single method in any
+ * case, or one value for each method. Returns false with an error if the numbers differ. */
 bool choose_methods(const struct arguments *args, enum drag usual, struct method_choice *choice,
                     int *count, struct error *error)
 {

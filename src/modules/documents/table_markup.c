@@ -191,8 +191,9 @@ static bool column_has_values(const struct table *table, const struct table_colu
     return table->rows == 0;
 }
 
-/* Chooses the columns of a study that people read: without details, and without columns that are
- * empty or 0. Other tables have all columns. Returns false if out of memory. */
+/* Sets *chosen to the table with only the columns that people read. A table of a study (`digits` is
+ * not 0) loses details and columns that are empty or 0; other tables have all columns. Returns
+ * false if out of memory. */
 static bool choose_columns(const struct table *table, struct arena *arena, struct table *chosen)
 {
     struct table_column *column = arena_array(arena, (size_t)table->columns + 1, sizeof *column);

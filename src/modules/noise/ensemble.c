@@ -267,7 +267,8 @@ static bool answer_ensemble(struct session *session, const struct arguments *arg
     return true;
 }
 
-/* Follows an ensemble and frees it. */
+/* Runs the command `ensemble`: reads its set-up and the observed column, follows and answers
+ * (answer_ensemble()), and frees both. */
 HANDLER(ensemble)
 {
     struct answer answer = {.setup = noise_setup_read(session, args, error)};

@@ -63,8 +63,8 @@ static const struct result_column of_order[] = {
 
 static const struct result_columns noiseorder_columns = RESULT_COLUMNS(of_order, struct order_row);
 
-/* Sets method[] to the methods that were named, or to all that suit the scene if none was named.
- * Returns their number. */
+/* Sets method[] to the methods named by method=, or to all if none is named, without those that
+ * need a velocity in scenes of first order. Returns their number, at most ORDER_METHODS. */
 static int choose_methods(const struct arguments *args, const struct noise_setup *setup,
                           const struct noise_method *method[ORDER_METHODS])
 {

@@ -129,7 +129,8 @@ static bool band_meets(const struct page *page, const struct curve *curve, const
 }
 
 /* Returns true if no curve, band, error bar or line of zero passes through the box (left, top,
- * right, bottom) [pt]. */
+ * right, bottom) [pt]. page->path has the paths of the curves first, then those of their error
+ * bars. */
 static bool is_box_free(const struct page *page, const double box[4])
 {
     const struct figure *figure = page->figure;

@@ -29,6 +29,7 @@ struct fits *fits_make(const struct session *session, struct error *error)
     return fits;
 }
 
+/* Frees the curve of the last fit and forgets the scene and the modes to which it belongs. */
 void fits_drop_curve(struct fits *fits)
 {
     free(fits->fit_curve[0]);

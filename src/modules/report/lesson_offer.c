@@ -215,8 +215,9 @@ static void put_statement(struct text statement, struct buffer *output)
     buffer_put(output, statement);
 }
 
-/* Appends the user's own assignments to parameters that `adopt` replaces, so that they hold after
- * it. */
+/* Appends, for each parameter that `adopt` replaces, the user's own last assignment, so that it
+ * holds after `adopt`. typed_since() returns the position in the log from which assignments to a
+ * parameter count. */
 static void put_typed_again(const struct session *session,
                             size_t (*typed_since)(const struct session *session, struct text name),
                             struct buffer *output)

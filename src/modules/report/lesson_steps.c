@@ -164,7 +164,8 @@ struct lesson *session_lesson(const struct session *session)
     return lesson && lesson->waits ? lesson : NULL;
 }
 
-/* Only statements since the beginning of the step count. */
+/* Returns true if `command` (its first words) was executed since the present step of the lesson
+ * began and not undone. */
 bool lesson_done(const struct session *session, struct text command)
 {
     struct buffer script = {0};

@@ -436,7 +436,7 @@ static bool put_power(struct ode_writing *w, node expr, const struct scope *scop
            formula_put(w, expr->argument[1], scope, ATOM) && (may <= POWER || ode_text_put(w, ")"));
 }
 
-/* Writes an expression by its kind; `may` is the loosest operator without parentheses (see ANY). */
+/* Writes an expression by its kind, in parentheses if its operator is looser than `may`. */
 static bool put_kind(struct ode_writing *w, node expr, const struct scope *scope, int may)
 {
     const struct scope *enclosing_sum = sum_around(scope);

@@ -188,10 +188,10 @@ static void grid_steps_set(const struct run *run, const struct balance *balance,
     work->index = index;
 }
 
-/* Computes in *done the work of the next steps of the balance, whose states are row [stride values
- * each] and whose times are `time` (NULL for fixed steps): up to the next kick or change of scene
- * or grid, at most `max`. A kick is a block of its own. Returns the number of steps; the balance
- * itself is unchanged. */
+/* Computes in *done the work of the next steps of the balance, at most `max`, up to the next kick,
+ * change of scene or grid. row has the states after these steps, `stride` numbers each; `time` has
+ * their times in the same stride, or is NULL for fixed steps. A kick is a block of one step.
+ * Returns the number of steps. The balance itself is unchanged. */
 static int block_done(const struct run *run, struct balance *balance, const struct epoch *epoch,
                       const double *row, const double *time, size_t stride, int64_t max,
                       struct work_done *done)

@@ -97,7 +97,8 @@ struct jet path_fit(const double *value, int degree, double a, double b)
 
 /* ---- polynomials of the step ---- */
 
-/* Takes over the step that has just been made; polynomials are made when they are needed. */
+/* Begins the path of the step that has just been made: copies its description and the run's present
+ * time and state as its end. Its polynomials are made when needed (path_make()). */
 void path_begin(struct step_path *path, const struct inside *inside)
 {
     const struct run *run = inside->run;

@@ -43,11 +43,12 @@ static double steps_price(const struct run_scenario *s, const struct run_work *w
            work->evals * (4 * n + evaluation_price(s->system));
 }
 
-/* Returns the predicted number of instructions for recording rows. Steps in blocks are computed in
- * the trace and only checked; long runs are thinned; runs with events, and adaptive runs without a
- * kernel, record step by step. The constants are measured instructions per step. */
+/* Returns the predicted number of instructions for recording the rows of all steps. Steps in blocks
+ * are computed in the trace and only checked; long runs are thinned; runs with events, and adaptive
+ * runs without a kernel, record one step at a time. */
 static double rows_price(const struct run_scenario *s, const struct run_work *work)
 {
+    /* measured instructions per step */
     static const double in_place = 3.3, in_place_adaptive = 30, one_by_one = 135, thinned = 30;
     const bool has_kernel =
         s->settings->kernel != KERNEL_GENERAL && method_controlled_kernel(s->method, s->system);

@@ -233,7 +233,9 @@ static bool call_dimension(struct compiler *c, const struct function *function,
     return true;
 }
 
-/* Finds the dimension of the result by the kind of the operation. */
+/* Stores the result of the operation, with the dimension that follows from its kind, in place of
+ * the first of its operands, which are the last `arity` of c->operand. Returns false with an error
+ * if their dimensions do not fit. */
 bool units_of_operation(struct compiler *c, const struct op *operation, size_t arity)
 {
     struct typed_operand *a = &c->operand[c->values - arity];

@@ -193,8 +193,9 @@ static void find_ratios(int rows, int n, const double *jac, int count, double *r
     }
 }
 
-/* Sets ratio [rows] to masses with which the Jacobian is symmetric at all points; all 1 if it is so
- * without. Returns false if there are none. */
+/* Finds masses, ratio [rows], that make the Jacobian of the term with coefficients c symmetric at
+ * all `count` points; all 1 if it is symmetric already. Returns false if there are none or if out
+ * of memory. */
 static bool find_masses(const struct typed_term *term, const double *c,
                         double point[][LIMIT_VARIABLES], int count, double *ratio)
 {

@@ -45,7 +45,8 @@ static void put_number_option(const struct composer *c)
         buffer_format(c->text, " --number %d", c->number);
 }
 
-/* Writes commands that create the run at its start, for requests before its first step. */
+/* Appends commands that create the run and leave it at its start, for requests that were made
+ * before its first step. Does nothing if the run exists already (c->started). */
 static void put_run_start(struct composer *c)
 {
     if (c->started)

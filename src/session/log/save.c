@@ -225,7 +225,7 @@ static void save_view(const struct view *view, struct buffer *text)
     }
     if (view->focus)
         buffer_format(text, "focus %s\n", view->focus->name);
-    /* the name is left out: in a new session the pane has nothing to show */
+    /* written without the name of a pane, which may have nothing to show in a new session */
     if (view->full)
         buffer_put(text, TEXT("focus full\n"));
     for (size_t i = 0; i < COUNT_OF(ranges); i++) {

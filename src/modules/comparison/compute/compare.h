@@ -273,7 +273,7 @@ int precision_fastest(const struct precision *precision, double error, struct pr
 /*
  * Returns the number of force evaluations that an error needs on an undamped linear oscillator,
  * predicted from the method's amplification matrix: phase, amplitude and shape of M^n against the
- * rotation (NUMERICS 1.5). Returns NAN for another scene, adaptive steps, or a method without such
+ * rotation. Returns NAN for another scene, adaptive steps, or a method without such
  * a matrix.
  */
 double precision_predict(const struct precision *precision, int curve, double error);

@@ -248,7 +248,9 @@ static double predicted_error(const double matrix[4], double x, double radians, 
     return fmax(fabs(d), hypot(a * q + f * p, a * p - f * q + d));
 }
 
-/* Predicts the evaluations that an error needs from the amplification matrix (NUMERICS 1.5). */
+/* Predicts the number of evaluations with which curve c reaches an error: finds the step x (radians
+ * of the oscillation) at which predicted_error() of the method's amplification matrix equals the
+ * error. Returns NAN if the method has no such matrix or the scene is another (compare.h). */
 double precision_predict(const struct precision *precision, int c, double error)
 {
     const struct precision_curve *curve = &precision->curve[c];

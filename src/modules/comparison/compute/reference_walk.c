@@ -15,9 +15,9 @@
 /* Number of times an interval is solved again with the bursts that were found in it. */
 #define BURST_ROUNDS 12
 
-/* Returns the time at which the next adaptive step has to end at the latest, between t and t_end:
- * the end of a part of a burst, or t_end. *index is the next burst and advances. `shift` is the
- * true time minus that of the clock [s]. */
+/* Returns the time [s] by which the adaptive step from t must end: the next boundary of one of the
+ * PARTS_OF_BURST parts of a burst, or t_end. *index is the number of the first burst that has not
+ * ended at t, and advances. `shift` [s] is the true time minus that of the clock. */
 static double next_stop(const struct reference_search *search, int *index, double t, double t_end,
                         double shift)
 {

@@ -246,7 +246,7 @@ int modes_at(const struct system *system, double t, const double *y, struct mode
 /* If no method reaches the end, states beyond this many natural sizes are not used. */
 #define RELIABLE_SIZES 10
 
-/* Returns true if no variable of a state exceeds RELIABLE_SIZES. */
+/* Returns true if each |y_i| is within RELIABLE_SIZES times its natural or initial size. */
 static bool is_sound(const struct system *system, const double *y)
 {
     for (int i = 0; i < system->n; i++)

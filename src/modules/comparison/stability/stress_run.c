@@ -179,9 +179,9 @@ static bool set_scene(const struct stress_case *what, struct system *system, str
     return scene_bind(&scene, system, error);
 }
 
-/* Sets bench->reference to the closed form or, without one, to the solution of the first adaptive
- * method that reaches the end; its distance to the next one's is the accuracy. Leaves y NULL if
- * there are no two. */
+/* Sets bench->reference to the closed form or, without one, to the solution of the first method of
+ * able[] that reaches the end; its accuracy is the distance to the solution of the next one. Leaves
+ * reference->y NULL if fewer than two methods reach the end. */
 static void find_reference(struct stress_state *bench)
 {
     static const char *const able[] = {"rodas5p", "radau5", "dop853", "odex"};

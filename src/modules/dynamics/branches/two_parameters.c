@@ -70,7 +70,9 @@ static double condition(const struct special_curve *c)
     }
 }
 
-/* Computes the equations and the condition, f [n + 1]. Returns false if one cannot be evaluated. */
+/* Computes the residuals of the equations f [n] and the condition of the special point f[n], which
+ * all are 0 on the curve, at u: the n unknowns, the first and, as u[n + 1] in units of c->qsize,
+ * the second parameter. Returns false if one cannot be evaluated. */
 static bool evaluate_condition(struct special_curve *c, const double *u, double *f)
 {
     const int n = c->base.problem->n;
@@ -335,8 +337,9 @@ static bool record_point(struct special_walk *w, const struct curve_place *point
     return branch_append(w->branch, &c->base, point, special, &s);
 }
 
-/* Records the special points between two places. Returns false if out of memory, if a solution is
- * not found again, or if the curve ends there. */
+/* Records the special points between two successive places of the curve, where a test function
+ * changes its sign. Returns false if out of memory, if a solution is not found again, or if the
+ * curve ends at a Bogdanov-Takens point (w->end). */
 static bool record_specials(struct special_walk *w, const struct curve_place *current,
                             const struct curve_place *next)
 {

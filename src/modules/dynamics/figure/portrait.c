@@ -167,7 +167,7 @@ static bool add_own_line(struct drawing *d, struct polyline *line, bool fine, co
     return fine;
 }
 
-/* Adds the current run; an angle is reduced to the turn that is shown. */
+/* Adds the current run, with angles reduced to the turn that is shown and gaps where they jump. */
 static bool add_run(struct drawing *d, const struct portrait_request *wanted)
 {
     const struct run *run = session_run(d->session);
@@ -258,11 +258,11 @@ static bool add_cursor(struct drawing *d)
     return true;
 }
 
-/* Adds a curve for each type of equilibrium, drawn as a letter: a capital if it is stable. */
+/* Adds a curve of letters for each type of equilibrium; n and f are unstable nodes and foci. */
 static bool add_equilibria(struct drawing *d, const struct portrait_request *wanted,
                            const struct equilibria *found)
 {
-    static const char letter[] = "NFnfXCDSU";
+    static const char letter[] = "NFnfXCDSU"; /* same order as enum equilibrium_type */
     for (size_t type = 0; type < equilibrium_catalog.count; type++) {
         size_t n = 0;
         double *x = arena_array(d->arena, 2 * (size_t)found->count + 1, sizeof *x);

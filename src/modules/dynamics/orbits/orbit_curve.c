@@ -297,7 +297,9 @@ bool orbit_curve_stretch(struct orbit_curve *c, const double *u, double *directi
     return true;
 }
 
-/* Stores the start and the direction of motion there as reference. */
+/* Makes the orbit u the reference that fixes the phase of orbits to come: stores its state and the
+ * direction of motion there (c->normal, of length 1). Converts `tangent`, unless NULL, to orbits of
+ * that phase; orbits of driven scenes have their phase from the drive. */
 void orbit_curve_refer(struct orbit_curve *c, const double *u, double *tangent)
 {
     double y[FIELD_VARIABLES];

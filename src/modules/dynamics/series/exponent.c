@@ -203,10 +203,10 @@ static bool is_not_exponential(const struct divergence *d, const struct even_gro
     return false;
 }
 
-/* Stores the exponent with its error, or why there is none. The error combines the scatter between
- * parts of the series, the change with more delays, the difference of both halves of the curve, and
- * a systematic part. `turn` is the time of one turn [sample]. Returns false if out of memory or
- * cancelled. */
+/* Sets *found to the exponent of the series with its error, or to the reason why there is none. The
+ * error combines the scatter between parts of the series, the change with more delays, the
+ * difference between both halves of the curve of growth, and a systematic part. `turn` is the
+ * duration of one oscillation [sample]. Returns false if out of memory or cancelled. */
 static bool find_exponent(const struct delay_space *space, const struct samples *x, double turn,
                           struct arena *arena, struct series_exponent *found)
 {

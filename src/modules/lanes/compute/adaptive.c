@@ -197,8 +197,9 @@ INLINE void follow_sizes(struct lanes *lanes, int q)
     }
 }
 
-/* Returns h sum_j (w_j - u_j) k_j, the difference between two formulas of weights w and u, for the
- * variable at `index` of the vectors. */
+/* Returns h sum_j (w_j - u_j) k_j, the difference between two formulas with weights w and u
+ * [stages] for steps of h [s]. k_j are the slopes lanes->k; `index` is the number of a vector of
+ * lanes in each: that of its variable times LANE_COUNT / WIDE plus that of the vector in it. */
 INLINE four weight_difference(const struct lanes *lanes, four h, const double *w, const double *u,
                               int index)
 {

@@ -146,8 +146,10 @@ static inline void add_times(int rows, const double *restrict w, const double *r
             x[lane] += w[lane] * y[lane];
 }
 
-/* Kicks the velocities v by the forces lanes->pull, with drag as in split_kick(). w [LANE_COUNT]
- * are the lengths [s] of the kick, `index` is its number in the splitting. */
+/* Changes the velocities v [rows][LANE_COUNT] by a kick: the accelerations lanes->pull times the
+ * lengths w [LANE_COUNT] [s] of the kick, with drag as in split_kick(). `index` is the number of
+ * the kick in the splitting, which selects its coefficients of exact drag; stage_time is the time
+ * of explicit drag. */
 CLONES static void lanes_kick(struct lanes *lanes, int index, struct lane_time stage_time,
                               const double *w, double *v)
 {

@@ -131,8 +131,9 @@ static bool is_alike(const double *value)
     return alike;
 }
 
-/* Tells the programs which of their inputs are fixed and which are the same in all lanes, so that
- * expressions of these are computed once. */
+/* Prepares the programs of the forces and of their slopes (program_prepare_lanes()): values other
+ * than time and state are fixed, and some are the same in all lanes, so that expressions of these
+ * are computed once. */
 void lanes_prepare_forces(struct lanes *lanes)
 {
     /* The time is the same in all lanes unless they have their own. */

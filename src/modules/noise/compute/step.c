@@ -219,8 +219,9 @@ void noise_step_spread(struct noise_stepper *stepper, double *spread)
 }
 
 /* Returns the logarithm of the factor by which a step of h [s] makes a linear scene grow beyond the
- * exact flow, found from the spectral radii of both; NAN if the scene is not linear or too
- * large. */
+ * exact solution or, if that decays, beyond a constant size: the difference between the logarithms
+ * of the spectral radii of both (at least 0 for the exact one). Returns NAN if the scene is not
+ * linear or too large. */
 double noise_stepper_excess_growth(const struct noise_forcing *forcing,
                                    const struct noise_method *method, double h)
 {

@@ -63,9 +63,11 @@ static size_t answer_length(struct text text)
     return 0;
 }
 
-/* Returns true if the attributes (DA1) of a terminal contain 4, which means sixel. */
+/* Returns true if the attributes in a terminal's answer to DA1, "ESC [ ? 6x ; … c", contain 4,
+ * which means sixel. The first number is the class of the terminal, no attribute. */
 static bool has_sixels(struct text attributes)
 {
+    /* the numbers, between three characters (ESC [ ?) and the final c */
     const struct text inside = {attributes.data + 3, attributes.len - 4};
     struct text rest = inside, part;
     for (bool first = true; text_split(&rest, ';', &part); first = false)

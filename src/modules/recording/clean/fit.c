@@ -252,8 +252,10 @@ static void put_residuals(struct cleaning *c, const struct local *local)
         c->residual[i] = local->fitted && !isnan(c->y[i]) ? c->y[i] - c->model[i] : 0;
 }
 
-/* Fits one period by the samples of two periods around it and sets model and residuals of its rows.
- * A fit to the same samples as in the previous pass is not repeated. */
+/* Fits the period around local->t by the samples of two periods that are not excluded, and sets
+ * model and residuals of the rows that *local judges. `work` has the memory of the samples. If the
+ * same samples were used in the previous pass (c->fitted_without), only the residuals are set. Sets
+ * local->fitted to false if there are too few samples. */
 static void fit_local(struct cleaning *c, struct local *local, const struct clean_samples *work)
 {
     const double first = c->t[0], last = c->t[c->n - 1];

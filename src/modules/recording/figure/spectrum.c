@@ -46,8 +46,10 @@ static bool run_even_series(const struct run *run, double t_begin, double t_end,
     return true;
 }
 
-/* Makes the curve of a series' spectrum. Stores its peaks for the reply, and in d->line the
- * strongest line of the highest frequency for the axis. Returns false with the error. */
+/* Makes the curve of a series' spectrum. Appends its strongest lines to the peaks of the request,
+ * at most PEAKS_EACH. Sets d->line, for the axis, to the series' strongest line if its frequency is
+ * higher than that of d->line: of the strongest lines of all series, the one with the highest
+ * frequency. Returns false with the error in d->error. */
 bool drawing_data_spectrum(struct drawing *d, const struct series *series, struct curve *curve)
 {
     curve->points = false;

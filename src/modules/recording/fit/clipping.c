@@ -167,8 +167,9 @@ static bool is_flat(const struct motion *m, const struct censoring *c)
                              FLAT_RESOLVED_STEPS * m->quantum + FLAT_SHARE * c->excess;
 }
 
-/* Sets *some to a motion of every k-th sample of a long one, in which clipping levels are searched
- * for first; a short one is shared. Returns false if out of memory. */
+/* Sets *some to the motion with only every k-th sample of a long recording, for a first search of
+ * clipping levels: at least ROWS_MIN samples and ROWS_A_PERIOD in a period remain. A shorter one
+ * shares the arrays of m. Returns false if out of memory. */
 static bool motion_thin(const struct motion *m, struct arena *arena, struct motion *some)
 {
     enum { ROWS_MIN = 4096, ROWS_A_PERIOD = 6 };

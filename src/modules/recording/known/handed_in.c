@@ -130,8 +130,9 @@ static struct recording *find_handed(const char *folder, const char *path,
     return recording;
 }
 
-/* Uses the recording found here unless a copy of another file was handed in; destroys the other
- * one. */
+/* Returns `here`, loaded from `path`, unless it is NULL or the folder has a copy with other
+ * contents; then returns the copy. An export (HANDED_IN) has no comparable sum, so `here` wins.
+ * Destroys the other recording. */
 struct recording *recording_checked(const char *folder, const char *path,
                                     const struct load_options *options, struct recording *here)
 {

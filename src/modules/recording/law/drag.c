@@ -214,8 +214,11 @@ static bool fit_motion_first(struct drag_fitting *f)
     return true;
 }
 
-/* Chooses samples and fits all laws alternately until the choice settles. edge [blocks + 1] is
- * memory for a baseline that wanders. Returns false if no law converged or if cancelled. */
+/* Chooses the samples to use and fits the laws, in turn, until hardly any sample changes (less than
+ * 0.1 %) or ROUNDS are done. Once, if the residuals of the nearest law require it, the baseline is
+ * fitted in blocks (edge [blocks + 1] receives their limits). Finally fits all laws anew if the
+ * choice has changed or the recording is short. Returns false if no law converged or if cancelled.
+ */
 static bool settle_samples(struct drag_fitting *f, size_t *edge)
 {
     struct motion *m = f->motion;

@@ -55,9 +55,9 @@ static double sine_value(const struct harmonic *h, double t, double *envelope)
     return h->c + h->d * s + fall * (h->a * cos(h->omega * s) + h->b * sin(h->omega * s));
 }
 
-/* Moves one end of the window outwards, sample by sample in that direction (1 or -1), up to `limit`
- * or to the first of NEIGHBOURS samples in a row that are off the sine of m. Returns the last
- * sample that lies on it. */
+/* Moves one end of the window outwards, in `direction` (1 or -1), sample by sample up to number
+ * `limit` or until NEIGHBOURS samples in a row are off the sine of m. Returns the number of the
+ * last sample that lies on the sine. */
 static size_t extend_end(const struct series *s, const struct motion *m, size_t end, size_t limit,
                          int direction)
 {

@@ -29,10 +29,10 @@ bool is_stated(const struct report_value *value)
     return strcmp(value->source, "parameter") == 0 || strcmp(value->source, "setting") == 0;
 }
 
-/* Chooses the number of digits: as the uncertainty tells, limited by the kind of value. */
+/* Appends the value with a number of digits that its uncertainty limits if it is that of a
+ * recording. That of a simulation is only rounding, so it does not choose the digits. */
 void say_value(struct document *document, const struct report_value *value)
 {
-    /* An uncertainty by rounding is meaningless for a simulation. */
     const bool recorded = text_starts(text_of(value->subject), TEXT("data "));
     int digits = is_stated(value) ? VALUE_DIGITS : FEW_DIGITS;
     if (value->value.uncertainty > 0)

@@ -78,8 +78,8 @@ static bool reader_scene_make(struct reader *reader, struct text script, struct 
     return true;
 }
 
-/* Returns true if a scene's commands would accept its values: flags are flags, and each value is
- * in its range. */
+/* Returns true if a stored scene is valid: each stored flag is 0 or 1, and the scene's commands
+ * would accept each value. */
 static bool is_sound(const struct scene *scene)
 {
     const struct field flags[] = {FIELD_OF(struct scene, chosen),

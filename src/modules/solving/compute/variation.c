@@ -247,8 +247,9 @@ static void frame(struct variation *v, int directions)
     memcpy(v->whole.start, base->start, (size_t)base->n * sizeof *base->start);
 }
 
-/* Binds the scene with its derivatives by the `count` parameters index[]. Returns false if the
- * scene cannot be bound or if a derivative cannot be found. */
+/* Makes v the system of the scene's motion and its derivatives by the `count` parameters index[].
+ * The derivatives start at those of the initial state, less the rate times that of the initial
+ * time. Returns false if the scene cannot be bound or if a derivative cannot be found. */
 bool variation_bind(struct variation *v, const struct scene *scene, const int *index, int count)
 {
     struct error ignored;
@@ -305,7 +306,9 @@ bool variation_add_parameter(struct variation *v, const struct scene *scene, int
     return true;
 }
 
-/* Adds the integral of the trace of df/dy, the logarithm of the determinant of derivatives. */
+/* Appends a variable that starts at 0: the integral over time of the trace of df/dy, which is the
+ * logarithm of the determinant of the derivatives by the initial state. Returns false if there are
+ * LIMIT_VARIABLES already. */
 bool variation_add_trace(struct variation *v)
 {
     if (v->whole.n == LIMIT_VARIABLES)

@@ -14,9 +14,8 @@ void replay_begin(struct sweep_worker *worker)
         worker->run[lane] = sweep_run(worker, worker->point[lane]);
 }
 
-/* Gives the states after steps first + 1 to first + count, which the lane's part of worker->replay
- * begins with, to the run of that lane, and advances the run by as many steps as the lane has
- * made. */
+/* Hands `count` stored states of a lane (in worker->replay, after steps first + 1 and on) to the
+ * lane's run and advances it by them, but not beyond the last step of the lane. */
 static void replay_feed(struct sweep_worker *worker, int lane, int64_t first, int64_t count)
 {
     const struct sweep_request *request = worker->job->request;

@@ -311,8 +311,9 @@ static void report_points(void *context, double fraction)
                                                 (double)(job->missing > 0 ? job->missing : 1));
 }
 
-/* Adds up the counts of `count` workers and of the points' statuses, and finds the reason of the
- * first refused point. */
+/* Adds the counts of `count` workers and the numbers of finished, refused and failed points to the
+ * sweep. Sets sweep->reason to the reason of the first refused point, unless it is already that of
+ * an earlier point. */
 static void sum_results(struct sweep *sweep, const struct sweep_worker *all, int count)
 {
     int64_t refused = -1;
