@@ -135,8 +135,8 @@ static void put_rates(struct scene_program *p)
     buffer_put(p->output, octave ? TEXT(");") : TEXT(""));
 }
 
-/* Appends the definition of the observed quantity with name index i in the language of the program,
- * followed by the definitions that read it (p->observed). */
+/* Appends the definition, in the language of the program, of the observed quantity whose name has
+ * the index i, followed by p->observed, the definitions of later quantities, which may read it. */
 static void put_observed(struct scene_program *p, int i)
 {
     const char *const name = p->name[i];

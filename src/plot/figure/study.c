@@ -69,9 +69,9 @@ static const char *curve_label(const struct study *s, const struct study_layer *
 }
 
 /* Adds the rows of the layer (if `name` is given, only rows of the group of that name) as a curve
- * or, for a guide, as a straight line between the first and the last row. Rows without numbers or
- * above layer->max are left out of points, and are gaps in lines. Adds nothing if no row has
- * numbers. Returns false with the error if out of memory. */
+ * or, for a guide, as a straight line between the first and the last row. Points leave out rows
+ * without numbers or above layer->max; lines have gaps at rows without numbers. Adds nothing if no
+ * row has numbers. Returns false with the error if out of memory. */
 static bool add_layer_curve(struct study *s, const struct study_layer *layer, const char *name)
 {
     struct drawing *d = s->d;
