@@ -152,7 +152,7 @@ TEST(test_marks_on_screens)
                                 .bottom = height - 1,
                                 .axis_row = height - 3,
                                 .x.log = true};
-        /* numbers of a short range of times stand at several to a decade, or are too few */
+        /* skip screens whose axis labels cannot be read: several per decade, or too few */
         if (read_x_axis(&reader, 1) && read_y_axis(&reader, 1, true)) {
             check_settings(&reader, precision, told);
             letters += check_letters(&reader, precision, told);

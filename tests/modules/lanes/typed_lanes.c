@@ -259,7 +259,8 @@ TEST(test_many_variables)
     buffer_free(&lines);
 }
 
-/* What is too large goes alone; other programs than these do not go together. */
+/* Lanes refuse a system that is too large and a negative step; two systems whose compiled programs
+ * differ cannot share lanes. */
 TEST(test_refusals)
 {
     const struct method *rk4 = method_by_name(TEXT("rk4"));

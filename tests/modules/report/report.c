@@ -270,7 +270,8 @@ TEST(methods_one_by_one_are_compared)
     remove_folder("single");
 }
 
-/* Damped by how much, beside another recording: 10 s of a disk lose little of the amplitude. */
+/* A recording goes to the section on the disk by its damping compared with the other recordings,
+ * because a short one loses little amplitude even with a disk. */
 TEST(two_springs_are_told_apart)
 {
     struct bench bench;

@@ -44,9 +44,9 @@ static void expect_frequency(struct bench *b, const char *name, double wanted, b
     buffer_free(&line);
 }
 
-/* Types random frequencies: omega and omega0 take f Hz only as 2 pi f or as such (1 Hz = 2 pi
- * rad/s), also in sums and from a variable; f0, T0 and phase take rad/s where that is unambiguous.
- * Forms that would be wrong by a factor of 2 pi are refused. */
+/* Types random frequencies: omega and omega0 accept a frequency as 2*pi*f or as plain f Hz
+ * (converted by 2 pi), also in sums and from a variable. f0, T0 and phase accept rad/s where that
+ * is unambiguous. Forms that would be wrong by a factor of 2 pi are refused. */
 TEST(test_cycles_and_radians)
 {
     const double turn = 2 * 3.14159265358979323846;

@@ -286,9 +286,12 @@ static void assert_nystrom_order(const char *what, const struct nystrom_forest *
     assert_above(what, nystrom_violation(grown, stages, b, d, claim + 1), TREE_FAILS);
 }
 
+/* The trees of each order are as many as Hairer, Norsett, Wanner I tell, and the order of each
+ * Nystrom method equals its claim. */
 TEST(test_nystrom_orders)
 {
-    static const int known[NYSTROM_ORDERS + 1] = {0, 1, 1, 2, 3, 6, 10, 20}; /* II.14, table 14.3 */
+    static const int known[NYSTROM_ORDERS + 1] = {
+        0, 1, 1, 2, 3, 6, 10, 20}; /* Hairer, Norsett, Wanner I, section II.14, table 14.3 */
     static struct nystrom_forest grown;
     int rows = 0;
     nystrom_forest_grow(&grown);

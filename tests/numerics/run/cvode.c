@@ -198,7 +198,7 @@ TEST(test_failure)
     }
 }
 
-/* A step that is given is refused, with a word; a stalled or singular run ends. */
+/* CVODE refuses a fixed dt; a growing solution ends as diverged. */
 TEST(test_refusals_and_ends)
 {
     if (!is_there())

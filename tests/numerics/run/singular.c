@@ -258,8 +258,8 @@ TEST(test_steps_across)
     typed_destroy(models);
 }
 
-/* One step of a long run jumps across a pole, and those beside it are smooth: it is found among the
- * rows that are looked at, which are one in a hundred. */
+/* A single step of a long run jumps across a pole, while the steps before and after it are smooth.
+ * The pole must be found although only one row in a hundred is examined. */
 TEST(test_one_step_of_many)
 {
     static const char *const methods[] = {"ros3p", "rodas4", "rodas5p"};

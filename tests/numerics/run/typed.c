@@ -83,8 +83,8 @@ TEST(test_symplectic)
     assert_true(count >= 10);
 }
 
-/* Splittings with drag of another kind than linear and quadratic: explicit only, and refused
- * otherwise with the way out. */
+/* Quadratic drag typed so that hooke does not recognise it: splittings refuse it and point to
+ * drag=explicit. */
 TEST(test_splitting_with_drag)
 {
     struct error error = {0};

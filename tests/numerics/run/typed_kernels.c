@@ -173,6 +173,8 @@ TEST(test_fixed_steps)
     assert_true(splittings > 200);
 }
 
+/* Every adaptive method with a tableau has a kernel for each case, whose steps equal those of the
+ * general code bit by bit. */
 TEST(test_adaptive_steps)
 {
     for (size_t i = 0; i < COUNT_OF(cases); i++)

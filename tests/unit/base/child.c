@@ -205,6 +205,8 @@ static bool looks_around(const void *context, struct buffer *out, struct error *
     return true;
 }
 
+/* The child reads and writes nothing on the standard streams, has no terminal, no core dumps,
+ * default signal handling and no blocked signals, and leads a process group of its own. */
 TEST(the_child_has_nothing_of_ours)
 {
     struct buffer out;

@@ -183,8 +183,8 @@ static void write_far_recording(double offset, double omega, double spikes)
     assert_int_equal(fclose(file), 0);
 }
 
-/* The fit is the judge: a run leaves out the samples that it leaves out, whatever the run does. The
- * offset that made the recording is the judge of the hint. */
+/* A run, however inaccurate, must leave out exactly the samples that the fit rejects. The hint must
+ * show the true offset. */
 TEST(runs_and_fits_agree_on_the_bad_samples)
 {
     const int cases = 20;

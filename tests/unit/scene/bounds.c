@@ -154,7 +154,8 @@ static bool in_outer(struct outer bounds, double value)
     return value != value || value <= bounds.interval.lo || value >= bounds.interval.hi;
 }
 
-/* Near poles values are outside of the gap. */
+/* Bounds of a rational expression near a pole are all numbers but a gap, an open interval. Values
+ * at corners and random points of the box must lie within the bounds. */
 TEST(test_gaps)
 {
     uint64_t seed = 9;

@@ -171,6 +171,7 @@ static bool check_row(const struct term_row *row, size_t check)
     return true;
 }
 
+/* Every force term passes all checks above with random parameters and states. */
 TEST(test_rows_keep_their_claims)
 {
     assert_true(term_catalog.count >= 5);

@@ -108,10 +108,9 @@ TEST(each_law_is_found)
     }
 }
 
-/*
- * Never a wrong single law, hardly ever a second term that is not there; what noise hides is said
- * to be not distinguishable.
- */
+/* Fits recordings with known laws of drag. The preferred law may differ from the true one only by a
+ * spurious second term (in at most 1 % of the fits) or by a second term hidden by noise; other
+ * doubtful fits must be reported as not distinguishable. */
 TEST(wrong_laws_are_rare)
 {
     int runs = is_long() ? 150 : 8, wrong = 0, spurious = 0, undecided = 0, hidden = 0, cover = 0;

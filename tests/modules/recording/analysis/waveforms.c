@@ -372,6 +372,8 @@ static struct drawn ring_down(double before, double swings, double after, double
     return d;
 }
 
+/* Damped oscillations begin at a step from a constant level. A period that is off by more than 2 %
+ * counts as wrong. */
 TEST(step_responses)
 {
     struct tally tally = {0};
