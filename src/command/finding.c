@@ -272,6 +272,29 @@ static void put_sentence(struct text statement, bool guessed, struct buffer *tex
     }
 }
 
+/* Returns true for `save figure FILE` and `save picture FILE`. */
+static bool saves_figure(struct text statement)
+{
+    statement = text_after(statement, peek_word(statement, "").len);
+    text_skip_blanks(&statement);
+    const struct text word = peek_word(statement, "");
+    return text_is(word, "figure") || text_is(word, "picture");
+}
+
+/* Returns the plot of a study that the statement asks for, such as `plot order`, or NULL. `own` is
+ * the statement's command, or NULL. */
+static const struct plot_row *study_plot_of(const struct command *own, struct text statement)
+{
+    if (!own || !text_is(text_of(own->row.name), "plot"))
+        return NULL;
+    statement = text_after(statement, peek_word(statement, "").len);
+    text_skip_blanks(&statement);
+    const struct row *row = catalog_find(&plot_catalog, peek_word(statement, ""));
+    const struct plot_row *plot =
+        row ? plot_row((enum plot_kind)catalog_index(&plot_catalog, row)) : NULL;
+    return plot && plot->study ? plot : NULL;
+}
+
 /* Does the work of explain_unknown() for a statement without leading blanks. Collects what may
  * help: the right form of a statement that is nearly right, or advice for `save plot`, for `> FILE`
  * after a command without a table and for `all` as a method, else the meanings of the word
@@ -296,12 +319,18 @@ static void explain_word(const struct session *session, struct text statement, s
                        (is_kind(kind, "command") && put_rewritten(session, statement, &text)) ||
                        put_misplaced(session, kind, statement, where, &text);
     const struct row *picture = catalog_find(&word_catalog, TEXT("picture"));
+    const struct plot_row *studied = study_plot_of(own, statement);
     if (!kind && picture && own && text_is(text_of(own->row.name), "save") &&
-        text_is(where, "plot"))
+        (text_is(where, "plot") || saves_figure(statement)))
         buffer_put(&text, text_of(picture->brief));
     else if (!kind && own && text_is(where, ">"))
         buffer_format(&text, "%s does not produce a table; 'export FILE table' writes the last one",
                       own->row.name);
+    else if (is_kind(kind, "plot") && text_is(where, "plot"))
+        buffer_put(&text, TEXT("leave out the last 'plot'"));
+    else if (is_kind(kind, "plot") && studied)
+        buffer_format(&text, "'plot %s' takes names of methods; 'list methods' lists them",
+                      studied->row.name);
     else if (is_kind(kind, "method") && text_is(where, "all"))
         buffer_put(&text, TEXT("name each method; 'list methods' shows them"));
     else if (!known && !law)

@@ -189,14 +189,16 @@ static bool take_next_point(struct session *session, struct reply *reply, struct
     if (i == 0) {
         now->aim.taken = 1;
         now->aim.read[0] = raw[0].mean;
-        now->aim.scatter[0] = raw[0].scatter / sqrt((double)raw[0].n);
+        now->aim.scatter[0] = raw[0].scatter;
+        now->aim.samples = raw[0].n;
         now->aim.read_unit = raw[0].unit;
         reply_line(reply, "hold it at %s, then type: calibrate take",
                    with_unit(now->aim.truth[1], now->aim.truth_unit[1]).text);
         return true;
     }
     now->aim.waits = false;
-    raw[0] = (struct raw){now->aim.read[0], now->aim.scatter[0], 1, now->aim.read_unit};
+    raw[0] =
+        (struct raw){now->aim.read[0], now->aim.scatter[0], now->aim.samples, now->aim.read_unit};
     return calibrate_from_readings(session, raw, now->aim.truth, now->aim.truth_unit, reply, error);
 }
 

@@ -25,6 +25,7 @@ struct collecting {
         bool waits;
         int taken; /* number of readings taken, of two */
         double truth[2], read[2], scatter[2];
+        size_t samples;                               /* number of samples in the first reading */
         const struct unit *truth_unit[2], *read_unit; /* NULL if there is none */
     } aim;
     struct feed *feed;

@@ -304,6 +304,16 @@ static struct method_choice *last_studied(const struct session *session, int *co
     return choice;
 }
 
+/* Returns true unless all points of a region are the origin, as for methods without a growth
+ * function in this plane. */
+static bool has_extent(const struct region *region)
+{
+    for (size_t i = 0; i < (size_t)region->rows; i++)
+        if (fabs(region->row[i].x) > 0 || fabs(region->row[i].y) > 0)
+            return true;
+    return false;
+}
+
 /* Studies the methods choice [choices] with step dt into `studied`, traces the boundaries of their
  * regions in the plane, and stores these as a result. Of several methods, those that do not apply
  * are left out with a note. Returns false with an error if none is left, if out of memory, or if
@@ -329,11 +339,16 @@ static bool trace_regions(struct session *session, enum region_plane plane,
     }
     const bool ok =
         count > 0 && region_trace(plane, studied, count, request.cancel, &region, error);
-    if (ok)
+    const bool empty = ok && !has_extent(&region);
+    if (ok && !empty)
         reply_result(session, reply, catalog_row(&region_catalog, plane)->name,
                      region_columns(plane), region.row, region.rows, NULL, NULL);
     region_free(&region);
-    return ok;
+    if (!empty)
+        return ok;
+    error_set(error, ERROR_COMMAND, "%s has no growth function of lambda dt to draw",
+              choice[0].method->row.name);
+    return error_hint(error, "'stability %s' measures its growth", choice[0].method->row.name);
 }
 
 /* Makes the table of boundaries for a plot: of the given methods with the session's step, or if
