@@ -43,9 +43,8 @@ void plan_opinion(const struct session *session, const struct system *system,
     else
         buffer_format(
             text,
-            "from a second solution with %.0f %% of the run's work; if perhaps no digit is\n"
-            "          right, up to %.0f evaluations or half of the run's work ('set opinion off'\n"
-            "          omits it)\n",
+            "from a second solution, %.0f %% of the run's work; half of it, or\n"
+            "          %.0f evaluations, if no digit may be correct ('set opinion off': none)\n",
             100 * OPINION_BRIEF_SHARE, OPINION_BUDGET_DOUBT / system->n);
 }
 

@@ -378,7 +378,7 @@ static void add_left_out(const struct run_scenario *s, const struct run_work *wo
     add_columns(s, COLUMNS_PLAIN, rows * column, ", each", list);
     if (!run_is_never_singular(s->system))
         list_add(list, follow_price(s, work),
-                 "search for a singularity (if the run fails or a step is suspicious) up to");
+                 "search for a singularity (if a step is suspicious) up to");
     if (s->plan->adaptive && s->opinion == 0)
         list_add(list, NAN, "second solution (set opinion off)");
     if (!s->plan->adaptive && s->system->order == 2 && s->system->oscillator.whole)
