@@ -135,8 +135,9 @@ TEST(test_adaptive)
     }
 }
 
-/* One call, or many of them with questions between. */
-TEST(test_however_it_is_cut)
+/* A run made by many calls, with its energy queried in between, has the same trace and energy
+ * balance as a run made by one call. */
+TEST(test_runs_in_pieces)
 {
     static const int cut[] = {1, 2, 63, 64, 65, 700, 5, 4096, 129};
     for (size_t i = 0; i < COUNT_OF(scenes); i++) {

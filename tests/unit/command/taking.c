@@ -99,8 +99,9 @@ TEST(says_which_takes_it)
     bench_close(&b);
 }
 
-/* Every command is given each word that introduces an argument of the others. */
-TEST(says_where_a_word_stands)
+/* Gives every command each keyword of the other commands. An error that marks the keyword must have
+ * a hint that quotes a command. */
+TEST(hints_at_commands_with_a_keyword)
 {
     struct bench b;
     int pairs = 0;
@@ -121,7 +122,8 @@ TEST(says_where_a_word_stands)
                     memcmp(error.where.data, of->name, name.len) != 0)
                     continue;
                 const int said = commands_said(error.hint, name, &takes);
-                /* of what is known but not there yet: what makes it; of a choice: what there is */
+                /* A name without a value yet: the hint names the command that gives it one. A
+                 * choice: the hint lists the words. */
                 const bool known = strstr(error.text, " has no value: ") ||
                                    strstr(error.text, "there is no run") ||
                                    strstr(error.hint, " is one of: ");
