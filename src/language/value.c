@@ -418,7 +418,7 @@ bool refuse_rest(const struct parser *parser, const struct item *number, struct 
     error_at(error, word, "unexpected '%.*s'", shown_length(word), word.data);
     if (!number || !number->unit)
         return false;
-    return unit_match(word) && error_hint(error, "a value has one unit: %.*s",
+    return unit_match(word) && error_hint(error, "a value has one unit, and '%.*s' has one already",
                                           shown_length(number->text), number->text.data);
 }
 

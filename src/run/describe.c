@@ -201,7 +201,7 @@ static void describe_grid(const struct method *method, const struct run_settings
         if (method->flags & METHOD_SYMPLECTIC)
             buffer_format(text, "; %s is symplectic only with constant steps", method->row.name);
     } else if (plan->exact_end) {
-        buffer_format(text, ", which end exactly on time");
+        buffer_format(text, ", the last of which ends exactly on time");
     }
     buffer_char(text, '\n');
 }
@@ -229,7 +229,7 @@ static void describe_steps(const struct scene *scene, const struct system *syste
              method_kernel(method, system, drag))
         buffer_format(text, "specialised for %s and these forces\n", method->row.name);
     else
-        buffer_format(text, "general code: each force is called at each stage\n");
+        buffer_format(text, "general code, which calls each force at each stage\n");
     if (!isnan(plan->steps)) {
         description_key_put(text, "evals");
         describe_evaluations(scene, system, method, settings, plan, text);

@@ -372,7 +372,8 @@ bool names_explain(const struct session *session, struct error *error)
     }
     for (size_t i = 0; i < COUNT_OF(later); i++)
         if (text_starts(name, text_of(later[i].start)) && !error->hint[0])
-            return error_hint(error, "it has a value after, for example: %s", later[i].command);
+            return error_hint(error, "type: %s (or another command that gives it a value)",
+                              later[i].command);
     if (!error->hint[0])
         hint_other_model(session, name, error);
     return false;

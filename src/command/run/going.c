@@ -214,7 +214,7 @@ static void reply_event(const struct run_slot *slot, const struct event_line *st
         reply_line(reply, "event %s: stopped at t = %.9g s; 'continue' continues%s", stopped->name,
                    slot->run->t,
                    stopped->action == EVENT_COMMANDS
-                       ? ", automatically if it is the last word of the event's commands"
+                       ? "; it does so by itself if the event's commands end with 'continue'"
                        : "");
     if (count > (stopped ? 1 : 0))
         reply_line(reply, "%zu event%s so far: 'list events' shows them", count,

@@ -35,7 +35,7 @@ void plan_opinion(const struct session *session, const struct system *system,
     if (kind == OPINIONS_OFF)
         buffer_put(text, TEXT("not estimated, because of 'set opinion off'\n"));
     else if (plan->exact_known)
-        buffer_put(text, TEXT("from the closed form, at some of the rows\n"));
+        buffer_put(text, TEXT("from the closed form, compared at some of the recorded rows\n"));
     else if (kind == OPINIONS_FULL)
         buffer_put(
             text,

@@ -231,7 +231,8 @@ HANDLER(step)
     const int64_t steps = count->count ? (int64_t)count->item->value.value : 1;
     struct run *run = session_run(session);
     if (steps > STEPS_MOST)
-        return error_at(error, count->where, "more than 1e9 steps: use continue DURATION");
+        return error_at(error, count->where,
+                        "'step' makes at most 1e9 steps; for more type: continue DURATION");
     if (!run)
         reply_unchosen(session, reply);
     if (run ? !can_continue(run, error)

@@ -51,7 +51,9 @@ bool split_fits(const struct method *method, const struct system *system, enum d
         error, ERROR_COMMAND,
         "%s takes a backward substep of %.3g h, in which damping multiplies the velocity by e^%.3g",
         method->row.name, back, exponent);
-    return error_hint(error, "use dt <= %.3g s, where that factor is at most e, or use verlet",
+    return error_hint(error,
+                      "use dt <= %.3g s, for which that factor is at most e, or use verlet, which "
+                      "has no backward substep",
                       1 / fabs(gamma * back));
 }
 
@@ -71,8 +73,10 @@ static bool applies_with_drag(const struct method *method, const struct system *
     if (drag == DRAG_EXPLICIT)
         return true;
     if (system->steps_across_kinks && has_dry(system)) {
-        error_set(error, ERROR_COMMAND,
-                  "%s cannot step across the jump of dry friction, and turning is off", name);
+        error_set(
+            error, ERROR_COMMAND,
+            "%s cannot step across the jump of dry friction, but 'set turning off' demands it",
+            name);
         return error_hint(error, "'set turning on' ends the steps at the jump");
     }
     if (!system->oscillator.drag_whole) {

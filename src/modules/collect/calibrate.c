@@ -100,13 +100,13 @@ static void calibration_reply(const struct calibration *c, struct reply *reply)
     if (!c->known)
         reply_line(reply, "values are used without calibration");
     else
-        reply_line(reply, "y: %s is %s, %s is %s; %s for each%s%s",
+        reply_line(reply, "y: a reading of %s means %s, and %s means %s; %s for each %s",
                    with_unit_name(c->read[0], c->unit[0]).text,
                    with_unit_name(c->truth[0], c->unit[1]).text,
                    with_unit_name(c->read[1], c->unit[0]).text,
                    with_unit_name(c->truth[1], c->unit[1]).text,
-                   with_unit_name(calibration_gain(c), c->unit[1]).text, c->unit[0][0] ? " " : "",
-                   c->unit[0]);
+                   with_unit_name(calibration_gain(c), c->unit[1]).text,
+                   c->unit[0][0] ? c->unit[0] : "unit of the reading");
     reply_begin(reply, "calibration");
     reply_string(reply, "points", c->known ? buffer_view(&text) : NULL);
     reply_real(reply, "gain", c->known ? calibration_gain(c) : NAN);

@@ -215,7 +215,7 @@ static bool refuse_trigger(const struct trigger *trigger, const struct recording
               safe_name(trigger->name, name));
     for (int i = 0; i < recording->columns && names.len < 100; i++)
         buffer_format(&names, ", %s", safe_name(text_of(recording->column[i].name), name));
-    error_hint(error, "trigger=\"y ...\" means the value; the columns are %s",
+    error_hint(error, "in trigger=\"y ...\", y is the measured value; the columns are called %s",
                buffer_view(&names) + (names.len > 2 ? 2 : 0));
     buffer_free(&names);
     return false;

@@ -48,13 +48,14 @@ static void put_turning(const struct comparison *rows, int count, struct buffer 
     for (int i = 0; i < count; i++) {
         const int64_t turns = rows[i].run->cost.turns;
         if (turns > 0)
-            buffer_format(
-                output, "%s%s %lld",
-                any ? ", "
-                : rows[i].run->system.switches > rows[i].run->system.dry
-                    ? "extra steps to end at switches ('set turning off' avoids them): "
-                    : "extra steps to end at turning points ('set turning off' avoids them): ",
-                rows[i].run->method->row.name, (long long)turns);
+            buffer_format(output, "%s%s %lld",
+                          any ? ", "
+                          : rows[i].run->system.switches > rows[i].run->system.dry
+                              ? "extra steps, added so that a step ends where the equations switch "
+                                "('set turning off' avoids them): "
+                              : "extra steps, added so that a step ends at each turning point "
+                                "('set turning off' avoids them): ",
+                          rows[i].run->method->row.name, (long long)turns);
         any |= turns > 0;
     }
     if (any)

@@ -44,13 +44,15 @@ static void put_order(const struct session *session, const struct order *order, 
             output,
             "steps end at %s (up to %lld extra steps per run); 'set turning off' steps across\n",
             order->switches ? "switches" : "turning points", (long long)turns);
-    buffer_format(output,
-                  "%s of the scene in fixed steps with compensated sums; root mean square error "
-                  "of the whole state at four times, accurate to %s",
-                  SHOWN_QUANTITY(session->setup.settings.duration, QUANTITY_TIME, 4),
-                  SHOWN_SHORT(order->floor, 2));
-    buffer_put(output, order->reference_stored ? TEXT(", with an earlier reference solution\n")
-                                               : TEXT("\n"));
+    buffer_format(
+        output,
+        "each run is %s of the scene in fixed steps with compensated sums; its error is the "
+        "root mean square of the whole state at four times, accurate to %s",
+        SHOWN_QUANTITY(session->setup.settings.duration, QUANTITY_TIME, 4),
+        SHOWN_SHORT(order->floor, 2));
+    buffer_put(output, order->reference_stored
+                           ? TEXT(", with the reference solution of an earlier study\n")
+                           : TEXT("\n"));
 }
 
 /* Measures each method in turn, with steps from dt[0] to dt[1] [s] (NAN to choose them), into

@@ -115,8 +115,9 @@ static void reply_orders(const struct noise_setup *setup, const struct orders_re
     for (int i = 0; i < methods; i++)
         unknown = unknown || isnan(orders[i].strong.value) || isnan(orders[i].weak.value);
     if (unknown)
-        reply_line(reply, "not known: chance or rounding hides the differences, or their sign "
-                          "changes; use more paths=N, or another dt");
+        reply_line(reply,
+                   "an order is not known if chance or rounding hides the differences, or if "
+                   "their sign changes; increase paths=N, or choose another dt");
     reply_records(reply, "noiseorder", &noiseorder_columns, row, rows);
     if (columns_table(&noiseorder_columns, row, rows, &table_arena, &file))
         noise_keep_table(setup, 0, "noiseorder", NULL, &table_arena, &file, reply);

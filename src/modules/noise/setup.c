@@ -206,8 +206,8 @@ void noise_keep_table(const struct noise_setup *setup, double dt, const char *ki
 void noise_setup_warn(const struct noise_setup *setup, struct reply *reply)
 {
     if (setup->forcing.other_drag && !isnan(setup->forcing.energy))
-        reply_warning(reply, "only linear damping has noise; because of its other drag the scene "
-                             "does not reach the temperature");
+        reply_warning(reply, "only linear damping has noise; the scene has other drag, too, so its "
+                             "motion does not settle at the given temperature");
 }
 
 /* Returns the time that a step takes [s], measured with a few of them. */

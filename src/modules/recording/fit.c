@@ -76,7 +76,9 @@ static bool refuse_others(const struct fit_request *call, const struct fit_model
             error_set(error, ERROR_COMMAND,
                       "'fit %s' needs no start values and chooses its free parameters itself",
                       name);
-            return error_hint(error, "use that with 'fit scene' and 'fit EXPR'");
+            return error_hint(
+                error,
+                "only 'fit scene' and 'fit EXPR' take start values, free=, bootstrap and robust");
         }
     if (model->kind != FIT_MODES && has_argument(call->args, "COUNT")) {
         error_at(error, argument_value(call->args, "COUNT")->where, "'fit %s' cannot have a number",

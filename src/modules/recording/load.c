@@ -199,8 +199,10 @@ static void reply_loaded(const struct table *table, struct text file, struct are
     struct text_table cells = {.arena = arena, .columns = table->columns, .gap = 2, .indent = 2};
     cells.columns = cells.columns > SHOWN_COLUMNS ? SHOWN_COLUMNS : cells.columns;
     safe_text(&shown, file, false);
-    reply_line(reply, "%s: a table of %zu row%s; 'plot COLUMN against COLUMN of loaded'",
-               buffer_view(&shown), table->rows, table->rows == 1 ? "" : "s");
+    reply_line(
+        reply,
+        "%s: a table of %zu row%s; 'plot COLUMN against COLUMN of loaded' draws two of its columns",
+        buffer_view(&shown), table->rows, table->rows == 1 ? "" : "s");
     table_cells(table, SHOWN_ROWS, &cells);
     text_table_put(&cells, reply_buffer(reply));
     reply_begin(reply, "table");

@@ -102,8 +102,9 @@ static void warn_contradiction(struct measuring *m, struct measured period, stru
                  sigma = hypot(alike.uncertainty, period.uncertainty);
     if (fabs(apart) > doubtful * sigma)
         reply_warning(m->reply,
-                      "the period by autocorrelation is %.2g s %s (%.2g standard deviations): the "
-                      "motion is not one steady oscillation, or the window contains something else",
+                      "the period by autocorrelation is %.2g s %s than by the other method (%.2g "
+                      "standard deviations): the motion is not one steady oscillation, or the "
+                      "window contains something else",
                       fabs(apart), apart > 0 ? "longer" : "shorter", fabs(apart) / sigma);
 }
 

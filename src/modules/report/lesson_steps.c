@@ -258,8 +258,10 @@ bool lesson_files(struct session *session, struct reply *reply, struct error *er
         if (ok)
             reply_line(reply, "%s written: a generated recording", name);
         else if (there.len > 0) /* the file is not the generated recording */
-            error_hint(error, "load it if it is yours, or type: lab off; lab seed=%ld",
-                       lesson->seed + 1);
+            error_hint(error,
+                       "if %s is your own recording, load it; for another generated recording "
+                       "type: lab off; lab seed=%ld",
+                       name, lesson->seed + 1);
     }
     buffer_free(&wanted);
     buffer_free(&there);

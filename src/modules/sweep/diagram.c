@@ -159,8 +159,10 @@ void diagram_text(const struct session *session, const struct swept *swept, int 
                   (long long)all, (long long)section->skip);
     sweep_summary(sweep, text);
     if (fewer > 0)
-        buffer_format(text,
-                      "%lld have fewer than %lld, because no event happened for one duration\n",
-                      (long long)fewer, (long long)section->keep);
+        buffer_format(
+            text,
+            "at %lld parameter value%s fewer than %lld points were found: no event happened "
+            "within one duration\n",
+            (long long)fewer, plural_s(fewer), (long long)section->keep);
     sweep_failures(sweep, text);
 }

@@ -443,8 +443,9 @@ static void reply_file(const struct growing_file *g, double seconds, struct repl
     if (timed)
         snprintf(took, sizeof took, " in %.3g s", seconds);
     reply_real(reply, "seconds", timed ? seconds : NAN);
-    reply_line(reply, "%s: points %lld to %lld of %lld, complete; %lld computed now%s", name,
-               (long long)all->first, (long long)(all->first + all->count - 1),
+    reply_line(reply,
+               "%s is complete: points %lld to %lld of %lld; this command computed %lld of them%s",
+               name, (long long)all->first, (long long)(all->first + all->count - 1),
                (long long)all->total, (long long)g->computed, took);
     reply_end(reply);
 }

@@ -202,8 +202,8 @@ static void explain_adaptive_divergence(const struct run *run, struct buffer *te
         buffer_format(text, " 1/s, too fast for %s; try %s", run->method->row.name,
                       remedy_for_rate(run));
     } else if (fate_of(run) == SOLUTION_GOES_ON) {
-        buffer_put(text, TEXT("errors of steps have exceeded the range of numbers, but the "
-                              "solution continues; try a smaller tol"));
+        buffer_put(text, TEXT("the errors of the steps grew beyond the range of numbers, although "
+                              "the solution continues; try a smaller tol"));
     } else {
         buffer_put(text, TEXT("no step, however short, gives a state within the range of numbers; "
                               "the cause is unknown"));

@@ -187,8 +187,8 @@ static bool refuse_potential(const struct system *system, const double *y, int i
               state_text.data ? state_text.data : "?", name, got, wanted);
     buffer_free(&state_text);
     return error_hint(error,
-                      "-dV/dx (V in joules) must be the part of the force that depends on "
-                      "positions only; without a potential, energies count the work of the force");
+                      "-dV/dx (V in joules) must be the part of the force that depends only on "
+                      "positions; without a typed potential, hooke adds up the work of the force");
 }
 
 /* Compares the slope of the potential with the force at random points, once for each part. */

@@ -406,7 +406,7 @@ static void test_calibrate(void **state)
     type(&p, "calibrate take\r");
     expect(&p, "1.02564 cm for each cm");
     type(&p, "zero\r");
-    expect(&p, "is 0 cm; 1.02564 cm for each cm");
+    expect(&p, "means 0 cm; 1.02564 cm for each cm");
     type(&p, "stop\r");
     expect(&p, "(stopped)");
     expect(&p, "q: panes)>");

@@ -67,7 +67,7 @@ ok "and all of it" $? "$(cat out.txt)"
 held() { awk 'BEGIN { srand(3); print "time (s),distance (cm)"; for (i = 0; i < 500; i++) { t = i / 50
     printf "%.3f,%.3f\n", t, (t < 4 ? 19.6 : t < 5 ? 19.6 + 19.5 * (t - 4) : 39.1) + 0.02 * (rand() - 0.5) } }'; }
 held | "$hooke" -n -c 'collect - to=raw.txt; calibrate y 20 cm 40 cm at=0.5:3.5,6:9' >cal.out 2>&1
-grep -q '^y: 19.6.* cm is 20 cm, 39.1.* cm is 40 cm; 1.0256.* cm for each cm$' cal.out
+grep -q '^y: a reading of 19.6.* cm means 20 cm, and 39.1.* cm means 40 cm; 1.0256.* cm for each cm$' cal.out
 ok "two windows of a recording are its two points" $? "$(cat cal.out)"
 held | "$hooke" -n -c 'calibrate y 19.6 cm 20 cm 39.1 cm 40 cm; collect - to=true.txt; zero; save set.hk' >true.out 2>&1
 grep -q '^calibrated: 19.6 cm 20 cm 39.1 cm 40 cm' true.out && grep -q '^# calibration: 19.6 cm 20 cm 39.1 cm 40 cm$' true.txt

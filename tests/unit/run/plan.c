@@ -213,7 +213,8 @@ TEST(test_description)
     struct scene scene = spring();
     const char *d = described(&scene, "verlet", (struct run_settings){.dt = 0.01}, 10, &text);
     assert_non_null(strstr(d, "left out  damping, drag, gravity, drive, cubic"));
-    assert_non_null(strstr(d, "1000 steps of fixed dt = 10 ms, which end exactly on time"));
+    assert_non_null(
+        strstr(d, "1000 steps of fixed dt = 10 ms, the last of which ends exactly on time"));
     assert_non_null(strstr(d, "dE/E0 of"));
     assert_null(strstr(d, "dissipated"));
     assert_non_null(strstr(d, "phase-error"));

@@ -374,9 +374,9 @@ static void warn_clock(struct recording *recording, const struct collected *coll
                        mended->wraps, mended->wraps == 1 ? "time" : "times");
     if (collected->clock == CLOCK_ARRIVAL)
         recording_warn(recording,
-                       "the device sends no times; they follow a line through %zu arrivals, %.6g "
-                       "+- %.2g Hz, with a jitter of %.2g ms (at most %.2g ms), which limits the "
-                       "accuracy of periods to %.2g %%",
+                       "the device sends no times; they are taken from a straight line through %zu "
+                       "arrivals, %.6g +- %.2g Hz, with a jitter of %.2g ms (at most %.2g ms); "
+                       "this limits the accuracy of periods to %.2g %%",
                        recording->rows, collected->rate.value, collected->rate.uncertainty,
                        1000 * collected->jitter, 1000 * collected->largest,
                        100 * collected->rate.uncertainty / collected->rate.value);

@@ -46,7 +46,7 @@ void reference_describe(const struct reference *reference, struct buffer *text)
                       reference->dissenting_method[0]->row.name,
                       reference->dissenting_method[1]->row.name, SHOWN_SHORT(reference->apart, 2));
     if (reference->meaning != reference->span) {
-        buffer_format(text, " only: they differ from %s on",
+        buffer_format(text, " until t0 + %s; from then on they differ",
                       SHOWN_QUANTITY(fabs(reference->meaning), QUANTITY_TIME, 3));
         buffer_put(
             text,

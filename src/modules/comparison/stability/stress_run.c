@@ -456,7 +456,7 @@ bool study_stress(const struct stress_scene *scene, struct text only,
     else if (!stress_scene_cases(stress, scene))
         return stress->count == STRESS_MAX
                    ? error_set(error, ERROR_COMMAND,
-                               "the scene has too many parameters: more than %d cases", STRESS_MAX)
+                               "too many parameters: they need more than %d cases", STRESS_MAX)
                    : error_memory(error);
     if (only.len > 0 && !select_case(stress, only, error))
         return false;

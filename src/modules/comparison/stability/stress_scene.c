@@ -31,7 +31,9 @@ static void add_steps(struct stress *stress, const struct stress_scene *source)
     for (size_t i = 0; i < COUNT_OF(factors); i++) {
         struct buffer name = {0}, brief = {0};
         buffer_format(&name, "dt x %s", SHOWN_SHORT(factors[i], 4));
-        buffer_put(&brief, TEXT("of the method's limit, or of the fastest time constant"));
+        buffer_put(
+            &brief,
+            TEXT("times the method's stability limit (if it has none, the fastest time constant)"));
         struct stress_case *what =
             name.failed || brief.failed ? NULL : stress_case_add(stress, source, name.data, &brief);
         if (what) {

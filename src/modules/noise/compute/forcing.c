@@ -82,8 +82,8 @@ static bool bind_damping(const struct noise_request *request, struct noise_forci
         memset(scene_gamma, 0, sizeof scene_gamma);
     if (!known && !stated && request->strengths == 0) {
         error_set(error, ERROR_COMMAND,
-                  "the scene's damping depends on more than the velocity, so it belongs to no "
-                  "temperature");
+                  "the damping does not depend on the velocity alone, so no temperature can be "
+                  "assigned to it");
         return error_hint(error, "gamma=V adds a damping with its own noise");
     }
     for (int i = 0; i < forcing->count; i++) {

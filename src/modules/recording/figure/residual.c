@@ -20,8 +20,9 @@ bool drawing_residual(struct drawing *d, const struct recording *recording)
     const struct run *run =
         d->request->runs ? d->session->runs.slot[d->request->run[0]]->run : NULL;
     if (!fitted && !run)
-        return error_set(d->error, ERROR_COMMAND,
-                         "a residual needs a fit of this recording, or a run of the same time");
+        return error_set(
+            d->error, ERROR_COMMAND,
+            "a residual needs a fit of this recording, or a run that covers the same times");
     if (!drawing_recording(d, recording))
         return false;
     struct curve *curve = &d->curve[d->curves - 1];

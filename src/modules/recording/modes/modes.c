@@ -240,8 +240,8 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
         if (apart < RESOLVED_LINE_WIDTHS)
             fit_warn(
                 fit,
-                "%.5g and %.5g Hz are only %.2g line widths (1/%.3g s) apart and may be one line: "
-                "sway, a drifting period or another law of drag look the same; record longer",
+                "%.5g and %.5g Hz differ by only %.2g line widths (1/%.3g s): they may be one mode "
+                "with sway, a drifting period or another law of drag; a longer recording tells",
                 a->frequency.value, b->frequency.value, apart, span);
         for (int j = k + 1; j < modes->modes; j++) {
             const struct measured f = modes->mode[j].frequency;
@@ -262,10 +262,9 @@ static void warn_lines(const struct modes_fit *modes, double span, struct fit *f
                  modes->mode[0].frequency.value * span);
     for (int k = 0; k < modes->modes; k++)
         if (modes->mode[k].gamma.value < -2 * modes->mode[k].gamma.uncertainty)
-            fit_warn(
-                fit,
-                "the mode of %.5g Hz grows; check that the window contains no hand and no drive",
-                modes->mode[k].frequency.value);
+            fit_warn(fit,
+                     "the mode of %.5g Hz grows; check that neither a hand nor a drive acts on it",
+                     modes->mode[k].frequency.value);
 }
 
 /* Warns of lines in the residuals, of a poor fit, and of rejected samples. */

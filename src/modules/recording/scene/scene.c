@@ -304,9 +304,8 @@ static bool choose_variable(struct scene_curve *c, const struct system *system,
     error_set(error, ERROR_COMMAND, "the quantity of the series is %s, but the scene computes %s",
               quantity_name(quantity), quantity_name(first));
     return error_hint(error, quantity == QUANTITY_VOLTAGE || quantity == QUANTITY_FORCE
-                                 ? "'fit', 'fit drag' and 'fit law' work with these data; 'adopt' "
-                                   "then reports the position "
-                                   "per volt or newton"
+                                 ? "use 'fit', 'fit drag' or 'fit law', which work with volts and "
+                                   "newtons; 'adopt' then gives positions per volt or newton"
                                  : "choose another scene, or another column of the file");
 }
 

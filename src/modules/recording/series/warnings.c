@@ -102,8 +102,8 @@ void fit_diagnose(const struct motion *m, double sway, struct fit *fit)
                  m->overview.periods);
     }
     if (fit->gamma.value < -2 * fit->gamma.uncertainty) {
-        fit_warn(fit, "gamma is negative: the amplitude grows; check that the window contains no "
-                      "hand and no drive");
+        fit_warn(fit, "gamma is negative: the amplitude grows; check that neither a hand nor a "
+                      "drive acts within the window");
     }
     if (fit->drag.wander > 0) {
         fit_warn(fit,

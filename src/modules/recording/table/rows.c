@@ -352,11 +352,11 @@ static void warn_rows(struct row_reader *reader)
                        mark, mark == ',' ? "comma" : "point");
     if (reader->layout->unpadded)
         recording_warn(recording,
-                       "%s: the digits after the mark seem to be unpadded, because the numbers "
-                       "decrease where %.0f digits follow; 0%c20 is read as 20 of %.0f parts",
+                       "%s: the fractions seem to lack leading zeros (values fall where a digit is "
+                       "added), so 0%c20 is read as 0%c%0*d",
                        recording->column[reader->layout->unpadded - 1].name,
-                       log10(reader->layout->unpadded_parts), reader->layout->decimal,
-                       reader->layout->unpadded_parts);
+                       reader->layout->decimal, reader->layout->decimal,
+                       (int)nearbyint(log10(reader->layout->unpadded_parts)), 20);
     if (ragged->count > 0)
         recording_warn(
             recording, "%zu line%s dropped that %s not %d numbers (first: line %zu, '%s')",

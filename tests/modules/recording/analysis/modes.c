@@ -163,7 +163,7 @@ TEST(intervals_cover_or_a_warning_says_why_not)
                 refused++;
                 if (getenv("SHOW"))
                     print_message("%s\n", error.text);
-            } else if (says(&fit, "may be one line") || says(&fit, "another line")) {
+            } else if (says(&fit, "may be one mode") || says(&fit, "another line")) {
                 warned++;
             } else {
                 judge(&b, &fit, covered);

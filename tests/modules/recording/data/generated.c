@@ -280,7 +280,7 @@ static void unpadded_decimals(struct file *f)
         put_y(f, i);
         end_row(f);
     }
-    f->said = "seem to be unpadded";
+    f->said = "seem to lack leading zeros";
 }
 
 /* A counter of 8 bits that is full now and then, and nothing else. */
