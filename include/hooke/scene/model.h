@@ -326,8 +326,8 @@ struct system {
     bool energy;
     /* Number of switches: expressions at whose sign or integer part a force changes its formula,
      * first those of typed equations, then that of dry friction. The formulas on the two sides of a
-     * switch are its branches. A frozen system (system_freeze()) uses one branch of each switch for
-     * all states, so that it is smooth. */
+     * switch are its branches. A system that system_freeze() made uses one branch of each switch
+     * for all states, so that it is smooth. */
     int switches;
     /* Frozen on one branch: its formula is also evaluated beyond the switch, where the real
      * equations may be undefined; whether a state is valid is tested on the unfrozen system. */
