@@ -55,7 +55,7 @@ extern const struct catalog kernel_catalog;
 
 /* Settings of a run, copied when it is created. */
 struct run_settings {
-    double dt; /* [s] > 0: fixed step, or first guess of an adaptive method. */
+    double dt; /* [s] Fixed step, or first guess of an adaptive method; larger than 0. */
     /* Relative tolerance of adaptive steps; 0 for fixed steps. Ignored if the method has no
      * adaptive steps. */
     double tol;

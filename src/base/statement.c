@@ -36,6 +36,15 @@ void text_skip_blanks(struct text *text)
     }
 }
 
+void buffer_quote(struct buffer *output, struct text text)
+{
+    const bool raw = !memchr(text.data, '\'', text.len);
+    buffer_char(output, raw ? '\'' : '"');
+    for (size_t i = 0; i < text.len; i++)
+        buffer_format(output, !raw && strchr("\"\\", text.data[i]) ? "\\%c" : "%c", text.data[i]);
+    buffer_char(output, raw ? '\'' : '"');
+}
+
 /* Returns the number of bytes of the string that text starts with, including both quotes, or 0 if
  * it is not closed. */
 size_t text_quoted(struct text text)

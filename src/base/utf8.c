@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: GPL-3.0-or-later */
-/* UTF-8: decoding, widths in columns, folding of lines, and shortening of texts to a width. */
+/* Decodes UTF-8, and folds and shortens texts to widths in columns. */
 #include <hooke/base/safe_text.h>
 
 #include <string.h>
 
 /* Decodes the first character of *used bytes. Returns CODEPOINT_INVALID for bytes that are not
- * UTF-8: wrong lengths, surrogates, numbers beyond Unicode. */
+ * UTF-8 (wrong lengths, surrogates, numbers beyond Unicode). */
 uint32_t text_codepoint(struct text text, size_t *used)
 {
     static const uint32_t smallest[] = {0, 0, 0x80, 0x800, 0x10000};

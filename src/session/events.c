@@ -134,28 +134,22 @@ void events_destroy(struct events *events)
 
 /* ---- events as commands ---- */
 
-/* Appends the event as a command; as_stop leaves out its commands. These are quoted with ', or with
- * " and escapes if they contain a '. */
-void event_describe(const struct event_line *line, bool as_stop, struct buffer *text)
+/* Appends the event as a command. */
+void event_describe(const struct event_line *line, struct buffer *text)
 {
     static const char *const words[] = {"stop", "record"};
     buffer_format(text, "event %s when %s do ", line->name, line->when);
-    if (line->action != EVENT_COMMANDS || as_stop) {
+    if (line->action == EVENT_COMMANDS)
+        buffer_quote(text, text_of(line->commands));
+    else
         buffer_put(text, text_of(words[line->action == EVENT_RECORD]));
-        return;
-    }
-    const bool raw = !strchr(line->commands, '\'');
-    buffer_char(text, raw ? '\'' : '"');
-    for (const char *cursor = line->commands; *cursor; cursor++)
-        buffer_format(text, !raw && strchr("\"\\", *cursor) ? "\\%c" : "%c", *cursor);
-    buffer_char(text, raw ? '\'' : '"');
 }
 
 /* Appends the events as commands, a line each. */
-void events_save(const struct events *events, bool as_stop, struct buffer *text)
+void events_save(const struct events *events, struct buffer *text)
 {
     for (int i = 0; events && i < events->count; i++) {
-        event_describe(&events->line[i], as_stop, text);
+        event_describe(&events->line[i], text);
         buffer_char(text, '\n');
     }
 }

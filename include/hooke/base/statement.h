@@ -27,3 +27,6 @@ struct text peek_name(struct text text);
 /* Returns the length [byte], both quotes included, of the quoted string that begins the text, or 0
  * if it is not closed. text.data[0] must be the quote. */
 size_t text_quoted(struct text text);
+/* Appends the text as a quoted string that is read as this text: in ', or in " with escapes if it
+ * contains a '. */
+void buffer_quote(struct buffer *output, struct text text);

@@ -51,13 +51,10 @@ void events_destroy(struct events *events); /* Frees a list and all older ones. 
 void events_sweep(struct session *session,
                   bool (*used)(const struct session *session, const struct events *events));
 
-/* Appends the command that defines the event: "event top when x*y - beta*z falling do record". With
- * as_stop, "do stop" replaces the commands of an EVENT_COMMANDS, so that a run with the event stops
- * where the commands would be executed, without executing them. */
-void event_describe(const struct event_line *line, bool as_stop, struct buffer *text);
-/* Appends the commands that define all events of a list, which may be NULL; as_stop is that of
- * event_describe(). */
-void events_save(const struct events *events, bool as_stop, struct buffer *text);
+/* Appends the command that defines the event: "event top when x*y - beta*z falling do record". */
+void event_describe(const struct event_line *line, struct buffer *text);
+/* Appends the commands that define all events of a list, which may be NULL, one per line. */
+void events_save(const struct events *events, struct buffer *text);
 /* Appends a line about the events for the command `plan`; `events` may be NULL. */
 void events_plan(const struct events *events, struct buffer *text);
 /* Compiles a list, which may be NULL, in a scope of names: sets *event to an array in the arena

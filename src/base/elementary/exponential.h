@@ -9,7 +9,7 @@
 #include "base/elementary/tables.h"
 #include "base/elementary/wide.h"
 
-#define LN_2_1 0x1.62e42fef80000p-8 /* ln 2/128: its first 34 bits, and the remainder */
+#define LN_2_1 0x1.62e42fef80000p-8 /* the first 34 bits of (ln 2)/128, and the remainder */
 #define LN_2_2 0x1.1cf79abc9e3b4p-43
 #define ROWS_PER_LN_2 0x1.71547652b82fep+7 /* 128/ln 2 */
 

@@ -9,7 +9,7 @@
 
 #include "base/elementary/exponential.h"
 
-#define LN_2_HIGH 0x1.62e42fefa2000p-1 /* ln 2: its first 41 bits, and the remainder */
+#define LN_2_HIGH 0x1.62e42fefa2000p-1 /* the first 41 bits of ln 2, and the remainder */
 #define LN_2_LOW 0x1.9ef35793c7673p-41
 
 /* Summands of log x = whole + log(1 + r) + rest: whole is exact, and 0 or larger than r. */
@@ -63,7 +63,7 @@ INLINE struct wide wide_log(double x, bool fused)
                                       ((parts.rest - 0.5 * square.low) + cubic_part(parts.r)));
 }
 
-#define PER_LN_10_1 0x1.bcb7b10000000p-2 /* 1/ln 10: its first 25 bits, and the remainder */
+#define PER_LN_10_1 0x1.bcb7b10000000p-2 /* the first 25 bits of 1/ln 10, and the remainder */
 #define PER_LN_10_2 0x1.49b9438ca9aaep-28
 
 /* Returns log10 x for a finite x > 0. */

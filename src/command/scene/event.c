@@ -11,7 +11,7 @@
 
 static void reply_line_of(const struct event_line *line, struct reply *reply)
 {
-    event_describe(line, false, reply_buffer(reply));
+    event_describe(line, reply_buffer(reply));
 }
 
 /* Lists the events of the next run. */

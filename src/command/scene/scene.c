@@ -67,7 +67,7 @@ static void reply_scene(const struct session *session, struct reply *reply)
     }
     if (session->setup.events) {
         buffer_char(&text, '\n');
-        events_save(session->setup.events, false, &text);
+        events_save(session->setup.events, &text);
     }
     reply_text(reply, text_trim(buffer_text(&text)));
     buffer_free(&text);

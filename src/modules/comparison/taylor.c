@@ -27,6 +27,8 @@ static void put_rate_unit(const struct variable *variable, int order, struct buf
     const struct text unit = text_of(quantity_unit(variable->quantity));
     if (unit.len > 2 && memcmp(unit.data + unit.len - 2, "/s", 2) == 0)
         buffer_format(text, "%.*s/s^%d", (int)unit.len - 2, unit.data, order + 1);
+    else if (order == 1)
+        buffer_format(text, "%s/s", unit.len > 0 ? unit.data : "1");
     else
         buffer_format(text, "%s/s^%d", unit.len > 0 ? unit.data : "1", order);
 }
@@ -210,13 +212,15 @@ HANDLER(taylor)
         return false;
     reply_assumed(session, false, false, reply);
     size_t rows = 0;
-    struct local_error_row *row =
-        arena_array(args->arena, capacity * LOCAL_ERROR_POINTS * LIMIT_VARIABLES, sizeof *row);
+    struct local_error_row *row = arena_array(
+        args->arena, capacity * LOCAL_ERROR_POINTS * (size_t)session->setup.scene.model->n,
+        sizeof *row);
     if (!row)
         return error_memory(error);
     for (int i = 0; i < count; i++) {
         const struct local_error_request request = {&session->setup.scene, choice[i],
-                                                    at->count ? at->item->value.value : NAN};
+                                                    at->count ? at->item->value.value : NAN,
+                                                    session->front.cancel};
         if (!study_local_error(&request, result, error))
             return false;
         rows += local_error_rows(result, row + rows);

@@ -30,7 +30,7 @@ struct polyline {
 struct separatrix {
     int equilibrium; /* index in `found` */
     bool stable;     /* it leads to the saddle, not away from it */
-    int side;        /* 1 or -1: the direction along the eigenvector in which it leaves */
+    int side;        /* sign of the direction along the eigenvector in which it leaves */
     const char *end; /* place where it ends: "frame", "equilibrium", or "goes on" if it was not
                         followed on */
     int target;      /* index of the equilibrium, or -1 if there is none */

@@ -169,6 +169,19 @@ static bool draw_question(struct session *session, const struct arguments *args,
     return ok;
 }
 
+/* Returns false with an error if there are arguments that only `lab figure` has. */
+static bool refuse_figure_arguments(const struct arguments *args, struct error *error)
+{
+    static const char *const names[] = {"NUMBER", ">", "force"};
+    for (size_t i = 0; i < COUNT_OF(names); i++)
+        if (argument_value(args, names[i])->count || has_argument(args, names[i])) {
+            error_at(error, argument_value(args, names[i])->where,
+                     "only 'lab figure N' takes this");
+            return error_hint(error, "for example: lab figure 5 > energy.svg");
+        }
+    return true;
+}
+
 /* Opens a lesson, repeats the current step, draws the figures of a question, or ends the lesson
  * (`lab off`). */
 HANDLER(lab)
@@ -177,6 +190,8 @@ HANDLER(lab)
                                 *seed = argument_value(args, "seed");
     if (name->count && text_is(name->item->text, "figure"))
         return draw_question(session, args, reply, error);
+    if (!refuse_figure_arguments(args, error))
+        return false;
     if (name->count && text_is(name->item->text, "off")) {
         struct lesson *lesson = session_lesson(session);
         if (lesson)

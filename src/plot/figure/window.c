@@ -16,6 +16,7 @@
 /* A phase curve is a spiral if its width changes by more than this fraction from the first turn to
  * the last. */
 #define SPIRAL_CHANGE_MIN 0.05
+#define TURN_TOLERANCE 0.01  /* relative error of a width that was found at the recorded rows */
 #define SPIRAL_TURNS_MAX 100 /* More turns run together. */
 #define GROWING_LEAST 2.0    /* [s] shortest window of a recording that is being collected */
 
@@ -183,22 +184,34 @@ static double coordinate_range(const struct run *run, double t_begin, double t_e
     return max - min;
 }
 
+/* Returns true if the turns of a run grow or shrink from each to the next, and by enough. */
+static bool run_spirals(const struct run *run, double period)
+{
+    const double t_begin = trace_time(run->trace, 0),
+                 t_end = trace_time(run->trace, trace_count(run->trace) - 1);
+    const int turns = (int)((t_end - t_begin) / period);
+    double first = NAN, width = NAN;
+    bool grows = true, shrinks = true;
+    for (int i = 0; i < turns && (grows || shrinks); i++) {
+        const double begin = t_begin + i * period, previous = width;
+        width = coordinate_range(run, begin, begin + period);
+        if (i == 0)
+            first = width;
+        grows &= !(width < previous * (1 - TURN_TOLERANCE));
+        shrinks &= !(width > previous * (1 + TURN_TOLERANCE));
+    }
+    return (grows || shrinks) && fabs(width - first) > SPIRAL_CHANGE_MIN * fmax(first, width);
+}
+
 /* Returns true if the turns of a run that is drawn grow or shrink and are few enough to be seen. */
 static bool is_spiral(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
     bool spirals = false;
-    if (d->total > SPIRAL_TURNS_MAX * d->period)
-        return false;
-    for (int i = 0; i < request->runs && !spirals; i++) {
+    for (int i = 0; i < request->runs && !spirals && d->total <= SPIRAL_TURNS_MAX * d->period;
+         i++) {
         const struct run *run = d->session->runs.slot[request->run[i]]->run;
-        const size_t count = trace_count(run->trace);
-        if (count < 2 || run_goes_back(run))
-            continue;
-        const double t_begin = trace_time(run->trace, 0), t_end = trace_time(run->trace, count - 1),
-                     first = coordinate_range(run, t_begin, t_begin + d->period),
-                     last = coordinate_range(run, t_end - d->period, t_end);
-        spirals = fabs(last - first) > SPIRAL_CHANGE_MIN * fmax(first, last);
+        spirals = trace_count(run->trace) > 1 && !run_goes_back(run) && run_spirals(run, d->period);
     }
     return spirals;
 }
@@ -228,7 +241,8 @@ void drawing_window(struct drawing *d)
     d->window[1] = isnan(request->window[1]) ? t_end : request->window[1];
     const double trail = drawing_trail(d) * d->period,
                  max = request->span > 0 ? request->span : longest_window(d);
-    const bool whole = request->full || (request->whole_spiral && is_spiral(d));
+    const bool whole =
+        request->full || (request->whole_spiral && kind_of(d)->scaled && is_spiral(d));
     if (plane && !wanted && !whole && trail < d->total) {
         d->window[0] = first_run_goes_back(d) ? t_begin : t_end - trail;
         if (grows) /* moves only after a whole trail, so that the curve stays meanwhile */
@@ -295,7 +309,7 @@ struct row_request drawing_rows(const struct drawing *d, const double window[2])
 bool drawing_shows_spiral(const struct drawing *d)
 {
     const struct figure_request *request = d->request;
-    return request->whole_spiral && plot_is_plane(request->kind) && !request->columns &&
+    return request->whole_spiral && kind_of(d)->scaled && !request->columns &&
            isnan(request->window[0]) && isnan(request->window[1]) &&
            d->total > drawing_trail(d) * d->period && is_spiral(d);
 }

@@ -291,7 +291,7 @@ static void save_setup(const struct session *session, enum save_extent extent, s
         elsewhere = true;
     }
     save_scene(&setup->scene, elsewhere, text);
-    events_save(setup->events, false, text);
+    events_save(setup->events, text);
     save_method(setup, text);
     save_settings(&setup->settings, extent, text);
     if (extent != SAVE_MOTION && calibration->known) {

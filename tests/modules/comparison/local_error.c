@@ -5,13 +5,15 @@
 #include <math.h>
 #include <string.h>
 
+#include <hooke/base/cancel.h>
+
 #include "modules/comparison/compute/local_error.h"
 #include "unit/scene/typing.h"
 #include "modules/solving/testing.h"
 
 static struct local_error measure(const struct scene *scene, const char *name, double t)
 {
-    const struct local_error_request request = {scene, {method_named(name), DRAG_DEFAULT}, t};
+    const struct local_error_request request = {scene, {method_named(name), DRAG_DEFAULT}, t, NULL};
     struct local_error result;
     struct error error = {0};
     if (!study_local_error(&request, &result, &error))
@@ -144,10 +146,29 @@ TEST(test_a_derivative_that_vanishes_raises_the_power)
     assert_int_equal(exact.leading[0].exponent, 0);
 }
 
+/* Late times have few digits left for dt: no power is read off their rounding. A search that is
+ * cancelled says so. */
+TEST(test_late_times_and_cancellation)
+{
+    const struct scene spring = scene_with("spring", NO_SETTINGS),
+                       pendulum = scene_with("pendulum", NO_SETTINGS);
+    const struct local_error late = measure(&spring, "euler", 1e9);
+    for (int v = 0; v < 2; v++)
+        assert_true(late.leading[v].exponent == 2 || late.leading[v].exponent < 1);
+    const struct cancel cancel = {1};
+    const struct local_error_request request = {
+        &pendulum, {method_named("euler"), DRAG_DEFAULT}, 1000, &cancel};
+    struct local_error result;
+    struct error error = {0};
+    assert_false(study_local_error(&request, &result, &error));
+    assert_int_equal(error.code, ERROR_CANCELLED);
+}
+
 TEST(test_methods_without_single_steps_are_refused)
 {
     const struct scene scene = scene_with("spring", NO_SETTINGS);
-    const struct local_error_request request = {&scene, {method_named("ab4"), DRAG_DEFAULT}, NAN};
+    const struct local_error_request request = {
+        &scene, {method_named("ab4"), DRAG_DEFAULT}, NAN, NULL};
     struct local_error result;
     struct error error = {0};
     assert_false(study_local_error(&request, &result, &error));

@@ -67,7 +67,7 @@ static void put_setup(const struct setup *setup, struct buffer *text)
                   setup->method_chosen ? " (chosen)" : "", (int)setup->drag,
                   setup->fixed ? " fixed" : "");
     put_settings(&setup->settings, false, text);
-    events_save(setup->events, false, text);
+    events_save(setup->events, text);
     for (int i = 0; i < setup->lets; i++) {
         buffer_format(text, "let %s %d", setup->let[i].name, (int)setup->let[i].quantity);
         put_real(text, setup->let[i].value);
@@ -105,7 +105,7 @@ static void put_run(const struct run_slot *slot, unsigned parts, struct buffer *
     for (int i = 0; i < run->system.n; i++)
         put_real(text, run->y[i]);
     buffer_char(text, '\n');
-    events_save(slot->events, true, text);
+    events_save(slot->events, text);
 }
 
 static void put_view(const struct view *view, struct buffer *text)

@@ -3,6 +3,8 @@
 #include "modules/comparison/compute/local_error.h"
 #include "modules/comparison/compute/verify.h"
 
+#include <hooke/base/cancel.h>
+
 #include <float.h>
 #include <math.h>
 #include <stdlib.h>
@@ -12,7 +14,8 @@ enum {
     NODES = 9,            /* nodes of the polynomial whose derivatives are those of the solution */
     REFERENCE_STEPS = 48, /* steps of the reference inside one step of the method */
     SAMPLES = 22,
-    STEPS_MAX = 1000000, /* steps of the reference from the start to the state */
+    STEPS_BETWEEN_LOOKS = 256, /* steps between two looks at Ctrl-C */
+    STEPS_MAX = 1000000,       /* steps of the reference from the start to the state */
     DENOMINATOR_MAX = 20000
 };
 /* The longest step in units of the shortest time constant, and the distance of the nodes. */
@@ -34,6 +37,7 @@ struct local_search {
     enum drag drag, reference_drag;
     double rate;  /* [1/s] fastest rate of the linearised scene */
     double *work; /* memory for the steps of both methods */
+    const struct cancel *cancel;
 };
 
 /* Takes `steps` equal steps over h [s]; h may be negative. Returns false if one fails. */
@@ -49,7 +53,8 @@ static bool take_steps(const struct local_search *search, const struct method *m
                         .low = steps > 1 ? low : NULL,
                         .work = search->work};
     for (int i = 0; i < steps; i++)
-        if (method_step(method, &step) != STEP_OK)
+        if ((i % STEPS_BETWEEN_LOOKS == 0 && cancelled(search->cancel)) ||
+            method_step(method, &step) != STEP_OK)
             return false;
     return true;
 }
@@ -138,11 +143,11 @@ static void measure_steps(const struct local_search *search, double t, const dou
 }
 
 /* Returns the size of errors of variable i that are rounding. */
-static double rounding_of(const struct local_search *search, const double *y, int i)
+static double rounding_of(const struct local_search *search, double t, const double *y, int i)
 {
     double slope[LIMIT_VARIABLES];
-    system_derivative(search->system, search->system->t0, y, slope);
-    return DBL_EPSILON * fmax(fabs(y[i]), fabs(slope[i]) / search->rate);
+    system_derivative(search->system, t, y, slope);
+    return DBL_EPSILON * fmax(fabs(y[i]), fabs(slope[i]) * fmax(1 / search->rate, fabs(t)));
 }
 
 /* Errors of single steps whose lengths fall by the square root of 2, for extrapolation. */
@@ -305,7 +310,7 @@ static bool measure_state(const struct local_search *search, double t, struct lo
         samples.dt[k] = longest_step / search->rate * pow(2, -0.5 * k);
     measure_steps(search, t, result->state, samples.dt, SAMPLES, samples.error);
     for (int i = 0; i < n; i++) {
-        const double rounding = rounding_of(search, result->state, i);
+        const double rounding = rounding_of(search, t, result->state, i);
         accuracy[i] = find_leading(&samples, i, rounding, &result->leading[i]);
         exponent[i] = result->leading[i].exponent;
     }
@@ -381,7 +386,8 @@ bool study_local_error(const struct local_error_request *request, struct local_e
     struct local_search search = {.system = &system,
                                   .method = method,
                                   .reference = method_find("dop853"),
-                                  .drag = result->choice.drag};
+                                  .drag = result->choice.drag,
+                                  .cancel = request->cancel};
     method_applies(search.reference, &system, &search.reference_drag, &ignored);
     result->n = system.n;
     for (int i = 0; i < system.n; i++)
@@ -398,6 +404,8 @@ bool study_local_error(const struct local_error_request *request, struct local_e
     if (ok)
         name_fractions(&search, result, multiple, accuracy);
     free(search.work);
+    if (cancelled(request->cancel))
+        return error_set(error, ERROR_CANCELLED, "stopped");
     return ok ||
            error_set(error, ERROR_NUMERICAL, "the solution cannot be followed to t = %.6g s", t);
 }

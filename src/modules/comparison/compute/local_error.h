@@ -38,12 +38,13 @@ struct local_error_request {
     struct method_choice choice;
     double t; /* [s] time at which the step begins, or NAN for an eighth of the period after the
                  start */
+    const struct cancel *cancel; /* NULL if nobody can cancel */
 };
 
 /*
  * Measures the local error of a method on the solution of the scene. Returns false with the error
  * if the method does not apply, takes no single steps (multistep methods, external ones), or if the
- * solution does not reach t.
+ * solution does not reach t, or if it is cancelled.
  */
 bool study_local_error(const struct local_error_request *request, struct local_error *result,
                        struct error *error);

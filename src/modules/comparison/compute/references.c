@@ -142,7 +142,8 @@ bool references_get(struct references *references, const struct scene *scene,
 
 /* Computes a reference again that finer runs disagreed with, and replaces *reference and its stored
  * copy. Steps are at most half as long as before (reference->bound), even if `step` is longer, as
- * the result would otherwise be the same. If the copy fails, `used` is 0: nothing is stored. */
+ * the result would otherwise be the same. If the copy fails, `used` is 0, which means that nothing
+ * is stored. */
 bool references_again(struct references *references, const struct scene *scene,
                       const struct system *system, double span, double step,
                       const struct cancel *cancel, struct reference *reference, struct error *error)

@@ -33,7 +33,7 @@ struct pair_counts {
     double pairs;                                      /* number of all pairs */
 };
 
-/* Returns the bin of a distance, counted from 0: the leading bits of the double. */
+/* Returns the bin of a distance, which is given by the leading bits of the double. */
 static uint64_t distance_bin(double x)
 {
     uint64_t bits;

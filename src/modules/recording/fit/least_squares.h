@@ -48,7 +48,7 @@ struct linear_problem {
     double scale[CURVE_PARAMETERS];                       /* divisors of the columns */
     double s[CURVE_PARAMETERS], turned[CURVE_PARAMETERS]; /* singular values; U^T r */
     double v[CURVE_PARAMETERS * CURVE_PARAMETERS];        /* right singular vectors [free][free] */
-    double min; /* smaller singular values count as 0: no column has that direction */
+    double min; /* Singular values below this count as 0, as if no column had their direction. */
 };
 
 /* Decomposes the triangle's problem in the parameters from `first` on. held [n], or NULL, marks

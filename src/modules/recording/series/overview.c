@@ -9,8 +9,9 @@
 #include <string.h>
 
 /* Limits of what counts as an oscillation. */
-#define PERIODS_MIN 1.8       /* [periods] with fewer nothing repeats */
-#define DECREMENT_MAX 3.2     /* gamma T/2: the amplitude changes by a factor 25 in a period */
+#define PERIODS_MIN 1.8 /* [periods] with fewer nothing repeats */
+#define DECREMENT_MAX                                                                              \
+    3.2 /* largest |gamma| T/2, at which the amplitude changes 25-fold in a period */
 #define WEAKLY_DAMPED 0.01    /* gamma/omega: the amplitude changes by 6 % in two periods */
 #define SAMPLES_A_PERIOD 2.02 /* samples per period, above the Nyquist limit of 2 */
 /* A record of few periods does not oscillate if the sine leaves more than this share of the power,

@@ -3,6 +3,7 @@
  * based on, and with an empty place for the answer. */
 #include "modules/report/lab/material.h"
 
+#include <hooke/base/statement.h>
 #include <hooke/data.h>
 
 #include <string.h>
@@ -130,29 +131,42 @@ struct figure_lines {
     struct buffer *lines;
 };
 
-/* Appends a command such as "plot energy run 1 2 > q8-energy.svg". With several figures the kind is
- * inserted before the extension of the file. */
+/* Appends " > FILE" and the end of a line. With several figures `kind` is inserted before the
+ * extension of the file. */
+static void put_destination(const struct figure_lines *figures, const char *kind)
+{
+    struct buffer name = {0}, *lines = figures->lines;
+    const struct text file = figures->file;
+    size_t end = file.len;
+    while (end > 0 && file.data[end - 1] != '.' && file.data[end - 1] != '/')
+        end--;
+    end = end > 0 && file.data[end - 1] == '.' ? end - 1 : file.len;
+    if (file.len > 0) {
+        buffer_put(&name, (struct text){file.data, end});
+        if (figures->several)
+            buffer_format(&name, "-%s", kind);
+        buffer_put(&name, text_after(file, end));
+        buffer_put(lines, TEXT(" > "));
+        buffer_quote(lines, buffer_text(&name));
+        buffer_put(lines, figures->is_forced ? TEXT(" --force") : TEXT(""));
+        lines->failed |= name.failed;
+        buffer_free(&name);
+    }
+    buffer_char(lines, '\n');
+}
+
+/* Appends a command such as "plot energy run 1 2 > q8-energy.svg". */
 static void put_figure_line(const struct figure_lines *figures, enum plot_kind kind, const int *run,
                             int runs, const char *recording)
 {
     const char *name = plot_row(kind)->row.name;
     struct buffer *lines = figures->lines;
-    const struct text file = figures->file;
-    size_t end = file.len;
     buffer_format(lines, "plot %s", name);
     for (int i = 0; i < runs; i++)
         buffer_format(lines, "%s %d", i ? "" : " run", run_at(figures->report, run[i])->number);
     if (recording)
         buffer_format(lines, " data %s", recording);
-    while (end > 0 && file.data[end - 1] != '.' && file.data[end - 1] != '/')
-        end--;
-    end = end > 0 && file.data[end - 1] == '.' ? end - 1 : file.len;
-    if (file.len > 0 && figures->several)
-        buffer_format(lines, " > \"%.*s-%s%.*s\"", (int)end, file.data, name, (int)(file.len - end),
-                      file.data + end);
-    else if (file.len > 0)
-        buffer_format(lines, " > \"%.*s\"", (int)file.len, file.data);
-    buffer_put(lines, figures->is_forced && file.len > 0 ? TEXT(" --force\n") : TEXT("\n"));
+    put_destination(figures, name);
 }
 
 /* Sets *run to the indices of the runs that a question is about. Returns their number, 0 if there
@@ -173,8 +187,8 @@ static int question_runs(const struct report *report, const struct question *q, 
 }
 
 /* Appends the commands that draw the figures of a question of the lab sheet, into `file` unless
- * that is empty; is_forced lets them replace files. Questions 7 and 9 are answered by a table and a
- * number instead. Returns false with *error if it needs a run or recording that is missing. */
+ * that is empty; is_forced lets them replace files. Question 7 is answered by a table instead.
+ * Returns false with *error if it needs a run or recording that is missing. */
 bool question_figures(const struct report *report, int number, struct text file, bool is_forced,
                       struct buffer *lines, struct error *error)
 {
@@ -191,22 +205,22 @@ bool question_figures(const struct report *report, int number, struct text file,
             q = &questions[i];
     if (!q)
         return error_set(error, ERROR_COMMAND, "the lab sheet has questions 1 to 10");
-    if (number == 7) {
-        buffer_put(lines, TEXT("taylor euler\n"));
-        return true;
-    }
-    if (number == 9) {
-        buffer_put(lines, TEXT("print Re\n"));
-        return true;
-    }
-    if (!q->figures)
-        return error_set(error, ERROR_COMMAND,
-                         "question %d asks for a derivation, not for a figure", number);
     const struct figure_lines figures = {.report = report,
                                          .file = file,
                                          .several = (q->figures & (q->figures - 1)) != 0,
                                          .is_forced = is_forced,
                                          .lines = lines};
+    if (number == 7) {
+        buffer_put(lines, TEXT("taylor euler"));
+        put_destination(&figures, "");
+        return !lines->failed || error_memory(error);
+    }
+    if (!q->figures) {
+        error_set(error, ERROR_COMMAND, "question %d does not ask for a figure", number);
+        if (number == 9)
+            error_hint(error, "'print Re' is the number that it asks for");
+        return false;
+    }
     const int *run;
     const int runs = question_runs(report, q, &run), first = report->material->first;
     const bool is_recorded = q->section == SECTION_RECORDING;

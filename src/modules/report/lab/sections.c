@@ -175,7 +175,7 @@ static void put_measured_values(struct report *report, const int *run, int runs)
     }
 }
 
-/* Section 2: parameters and figures of the chosen run of forward Euler. */
+/* Writes parameters and figures of the chosen run of forward Euler (section 2). */
 static bool simulation_section_put(struct report *report, const struct material *m,
                                    struct error *error)
 {

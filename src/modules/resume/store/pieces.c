@@ -54,7 +54,7 @@ void reader_made_scene(struct reader *reader, const struct scene *scene)
 void reader_made_events(struct reader *reader, const struct events *events)
 {
     struct buffer script = {0};
-    events_save(events, false, &script);
+    events_save(events, &script);
     add_made(reader, &script, (struct made){.events = events, .is_events = true});
     buffer_free(&script);
 }

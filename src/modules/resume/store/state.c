@@ -127,7 +127,7 @@ void store_put_scene(const struct scene *scene, const char *name, struct buffer 
 void store_put_events(const struct events *events, struct buffer *output)
 {
     const size_t begun = field_begin(output, "events");
-    events_save(events, false, output);
+    events_save(events, output);
     field_end(output, begun);
 }
 
